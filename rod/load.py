@@ -60,11 +60,6 @@ class Load:
         object.__setattr__(self, "supports", (*self.supports, *more))
 
     @property
-    def own_weight(self) -> "Load":
-        """The weight alone."""
-        return Load(weight=self.weight, weight_height=self.weight_height)
-
-    @property
     def force_size(self) -> float:
         """N, |F|."""
         return math.hypot(*self.force)

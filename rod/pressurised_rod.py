@@ -37,7 +37,7 @@ class PressurisedRod:
     """The identified rod over a range of pressures: parameters and kappa_0 follow cubics between them.
 
     At an identified pressure it has the identified numbers.
-    Raises `RodError` unless pressures rise and each has a law, a theta0 and a row of kappa_0.
+    Raises `RodError` unless pressures rise.
     """
 
     length: float  #: mm
@@ -61,10 +61,7 @@ class PressurisedRod:
     def __post_init__(self) -> None:
         if len(self.pressures) < 1 or np.any(np.diff(self.pressures) <= 0.0) or self.pressures[0] < 0.0:
             raise RodError("The pressures of a rod must rise, from 0 kPa at least.")
-        count = len(self.pressures)
-        if not len(self.laws) == len(self.theta0) == count or self.kappa_0.shape != (count, len(self.s)):
-            raise RodError("Every pressure of a rod needs its five parameters, its theta0 and its kappa_0 at every s.")
-        if self.moment_ranges and len(self.moment_ranges) != count:
+        if self.moment_ranges and len(self.moment_ranges) != len(self.pressures):
             raise RodError("Where ranges of moments are given, every pressure needs its own.")
         self.at(float(self.pressures[0]))  # refuses an s that does not rise to the length
 
@@ -79,7 +76,8 @@ class PressurisedRod:
         Raises `RodError` outside the range, and for another number of pressures.
         """
         (pressure,) = pressures_of(pressure, self.cavities)
-        origin = self.origin_at(pressure)  # refuses what is outside
+        origin, (i, j, t) = self.origin_at(pressure), self._interval(pressure)  # refuse what is outside
+        ranges = self.moment_ranges
         law = FiveParameters(*(self._at([getattr(law, n) for law in self.laws], pressure) for n in PARAMETER_NAMES))
         kappa_0 = self._shape_at(self.kappa_0, pressure)
         theta0 = float(self._shape_at(self.theta0, pressure))
@@ -93,7 +91,7 @@ class PressurisedRod:
             weight=self.weight,
             weight_height=self.weight_height,
             mass=self.mass,
-            moment_range=self.moment_range_at(pressure),
+            moment_range=ranges[i].between(ranges[j], t) if ranges else None,
             notes=() if origin == IDENTIFIED else (f"The parameters at {pressure:g} kPa are {origin}.",),
         )
 
@@ -112,11 +110,6 @@ class PressurisedRod:
         if known is not None:
             return v[known]
         return cubic(p, v, np.gradient(v, p, axis=0, edge_order=2 if len(p) > 2 else 1), pressure)
-
-    def moment_range_at(self, pressure: float) -> MomentRange | None:
-        """The range of moments behind the rod at a pressure (kPa), None where it is not given. Raises as `at`."""
-        i, j, t = self._interval(pressure)
-        return self.moment_ranges[i].between(self.moment_ranges[j], t) if self.moment_ranges else None
 
     def origin_at(self, pressure: float) -> str:
         """Where the numbers at a pressure (kPa) come from, in words. Raises `RodError` as `at`."""

@@ -269,10 +269,9 @@ def test_the_rod_of_a_run_is_solved_without_the_machines() -> None:
     loaded = loaded_after(
         "from pathlib import Path\n"
         "from pipeline.answers.rods.choice import rod_of_path\n"
-        "from pipeline.answers.rods.end_loads import read_end, shape_under\n"
-        "from rod.load import Loading\n"
+        "from pipeline.answers.rods.end_loads import read_loading, shape_under\n"
         "rod = rod_of_path(Path('tests/data/results_coarse'), None).at(31.0)\n"
-        "shape_under(rod, read_end(Loading(), '[0 N, 0.01 N]'))"
+        "shape_under(rod, read_loading(None, None, force='[0 N, 0.01 N]'))"
     )
     assert {"numpy", "pydantic"} <= loaded
     assert loaded & (HEAVY - {"numpy", "pydantic", "pydantic_core"}) == set()

@@ -48,10 +48,6 @@ class Column:
     written: str = ""  #: its title, for example 'time (s)'
     without: float = np.nan  #: one unit of a column without a unit; NaN: it needs one
 
-    def per_unit(self, unit: str) -> float:
-        """What one unit is in that of the dimension; NaN where it is none of it."""
-        return _per_unit(unit, self.dimension) if self.dimension else 1.0
-
 
 @dataclass(frozen=True)
 class Form:
@@ -75,7 +71,7 @@ class Form:
         fits = []
         for key, one in self.columns.items():
             if re.search(one.words, name) and not re.search(one.unless, name):
-                value = next((of for text in units if np.isfinite(of := one.per_unit(text))), np.nan)
+                value = next((of for text in units if np.isfinite(of := _per_unit(text, one.dimension))), np.nan)
                 value = one.without if np.isnan(value) and not stated else value
                 fits += [(key, value, stated)] if one.words or np.isfinite(value) else []
         return next((fit for fit in fits if np.isfinite(fit[1])), fits[0] if fits else None)
@@ -257,8 +253,10 @@ def _is_unit(text: str, dimensions: Sequence[units.Dimension]) -> bool:
     return bool(unit) and any(np.isfinite(_per_unit(unit, of)) for of in dimensions)
 
 
-def _per_unit(text: str, dimension: units.Dimension) -> float:
-    """What one unit is in that of the dimension; NaN where this is no unit of it."""
+def _per_unit(text: str, dimension: units.Dimension | None) -> float:
+    """What one unit is in that of the dimension, 1 of texts; NaN where this is no unit of it."""
+    if dimension is None:
+        return 1.0
     unit = text.strip("()[] ")
     if unit == "strain":  # pint has it among its units
         return np.nan

@@ -69,15 +69,11 @@ def by_pressure(content: Mapping[str, object], pressures: Sequence[float]) -> pd
             columns[key] = pd.array(values, dtype="boolean")
         elif all(value is None or isinstance(value, int | float) for value in values):
             columns[key] = pd.Series(values, dtype=float)
-        elif all(value is None or _is_pair(value) for value in values):
+        elif all(value is None or (isinstance(value, tuple) and len(value) == 2) for value in values):
             name = f"{key}_{{}}" if key.endswith("_95") else key.replace("_N_mm", "_{}_N_mm")
             for k, end in enumerate(("low", "high")):
                 columns[name.format(end)] = pd.Series([None if v is None else v[k] for v in values], dtype=float)
     return pd.DataFrame(columns)
-
-
-def _is_pair(value: Any) -> bool:
-    return isinstance(value, tuple) and len(value) == 2 and all(isinstance(end, int | float) for end in value)
 
 
 def profiles(rest: RestShape, pressures: Sequence[float]) -> pd.DataFrame:

@@ -60,12 +60,12 @@ def calibrate(
     is replaced. Raises InputError with file, line and column, and RunFailed, which has the report as `reached`, for a
     fit that misses a large part of the motion.
     """
-    from pipeline.answers.measured.calibrate import CalibrateOptions, calibrate_files
+    from pipeline.answers.measured.calibrate import calibrate_files
 
     folder, file = given_path(results, "results", "results/arm"), given_path(measured, "measured", "arm.csv")
     new = None if out is None else given_path(out, "out", "results/arm_calibrated")
-    options = CalibrateOptions(tuple(free), given_choice(align, "align"), ratio)
-    report = calibrate_files(folder, file, new, options, given_progress(progress).remark)
+    told, onto = given_progress(progress).remark, given_choice(align, "align")
+    report = calibrate_files(folder, file, new, tuple(free), align=onto, ratio=ratio, tell=told)
     return reached(report, report.raise_if_failed)
 
 

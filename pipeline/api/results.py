@@ -313,7 +313,7 @@ class Results:
         pressure: kPa, one for each cavity of a law of several. in_space: whether it may leave its plane. All else is as
         `pneurod.move` takes it. Raises InputError for what cannot begin.
         """
-        loading = end_loads.read_end(end_loads.read_weight(orientation, tip_mass), force)
+        loading = end_loads.read_loading(orientation, tip_mass, force=force)
         is_free, rods = given_choice(in_space, "in_space"), self._chosen(rod)
         return motion.begin_motion(self.run, rods, pressure, loading, held_at=held_at, in_space=is_free)
 

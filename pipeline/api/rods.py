@@ -88,8 +88,7 @@ def shape(
     """
     from pipeline.answers.rods import choice, end_loads
 
-    weight = end_loads.read_weight(orientation, tip_mass, mass_at)
-    loading = end_loads.read_end(weight, force, moment, end_y, end)
+    loading = end_loads.read_loading(orientation, tip_mass, mass_at, force=force, moment=moment, end_y=end_y, end=end)
     chosen = choice.rod_of_path(given_path(path, "path", "results/arm"), rod)
     chosen = chosen.wanted(after_snap=given_choice(after_snap, "after_snap"))
     selected = end_loads.rod_at(chosen, pressure)
@@ -137,7 +136,7 @@ def move(
     """
     from pipeline.answers.rods import choice, end_loads, motion
 
-    loading = end_loads.read_end(end_loads.read_weight(orientation, tip_mass), force)
+    loading = end_loads.read_loading(orientation, tip_mass, force=force)
     asked = motion.Asked.read(pressure, seconds, loading, release=given_choice(release, "release"), air=air, step=step)
     run = choice.run_along(given_path(path, "path", "results/arm"), ratio)
     target, rods = run.directory if out is None else given_path(out, "out", "results/arm"), choice.choose_rod(run, rod)
@@ -181,8 +180,8 @@ def solve(
     """
     from pipeline.answers.rods import choice, end_loads, pressures
 
-    weight = end_loads.read_weight(orientation, tip_mass)
-    wish = pressures.Wish.read(tip, angle, force, at_height, weight)
+    loading = end_loads.read_loading(orientation, tip_mass)
+    wish = pressures.Wish.read(tip, angle, force, at_height, loading)
     chosen = choice.choose_rod(choice.run_along(given_path(path, "path", "results/arm"), ratio), rod)
     found = pressures.pressures_for(chosen, wish)
     if picture is not None:

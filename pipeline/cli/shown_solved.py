@@ -22,8 +22,6 @@ from pipeline.study.pairs.run import PairRuns, record
 from pipeline.study.pairs.table import pairs_table
 from pipeline.values.law import LawMeshError
 from pipeline.values.reasons import render
-from pipeline.values.run import Run
-from pipeline.values.table import Table
 
 if TYPE_CHECKING:  # Dask and pandas come with these
     from pipeline.api.results import Results
@@ -43,16 +41,10 @@ def show_results(made: "Results | PairRuns", quiet: bool = False, verbose: bool 
         return
     print_sentences(*made.verdict.lines)
     if not quiet:
-        shown = (tables.five_parameters(results), *(_details(results) if verbose else ()))
-        print_lines(*shown)
+        details = (tables.rods, tables.loads, tables.states, tables.effects, tables.design, tables.cost)
+        print_lines(tables.five_parameters(results), *(table(results) for table in details if verbose))
         print_sentences(*(f"Note: {note.text}" for note in results.remarks if verbose))
     print_lines(f"report: {made.report}")
-
-
-def _details(results: Run) -> tuple[Table, ...]:
-    """The tables that `-v` shows besides the verdict."""
-    made = (tables.rods, tables.loads, tables.states, tables.effects, tables.design, tables.cost)
-    return tuple(table(results) for table in made)
 
 
 def _show_pairs(made: PairRuns, as_json: bool) -> None:

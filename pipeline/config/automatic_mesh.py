@@ -37,12 +37,13 @@ MOST_CHOSEN_TETS = 100_000
 COARSER = 1.5
 
 
-def _edge(value: Any) -> float | None:
-    return None if value == "auto" else convert(value, LENGTH)
-
-
-def _is_edge(size: float | None) -> bool:
-    return size is None or size > 0.0
+_EDGE = Kind(
+    "above 0, or `auto`",
+    LENGTH.example,
+    "mm",
+    read=lambda value: None if value == "auto" else convert(value, LENGTH),
+    test=lambda size: size is None or size > 0.0,
+)
 
 
 def _coarser(value: Any) -> Any:
@@ -50,16 +51,11 @@ def _coarser(value: Any) -> Any:
     return value or "off" if value is False or value in ("auto", "off") else number(value)
 
 
-def _shows_convergence(coarser: float | str) -> bool:
-    """Whether the results on two meshes that differ by a factor show how they converge."""
-    return isinstance(coarser, str) or 1.1 <= coarser <= 5.0
-
-
 @section(frozen=True)
 class GivenMesh(Section):
     """What a configuration says about its mesh; "auto", and None as a size, are left to the program."""
 
-    size_mm: Annotated[float | None, Kind("above 0, or `auto`", LENGTH.example, "mm", _edge, _is_edge)] = Field(
+    size_mm: Annotated[float | None, _EDGE] = Field(
         default=None, description="edge that Gmsh aims at; `auto`: from the drawing"
     )
     formulation: Annotated[str, one_of((*ELEMENTS, "auto"))] = Field(
@@ -69,7 +65,14 @@ class GivenMesh(Section):
         default="auto", description="where elements are [smaller](accuracy.md#graded-meshes), `auto` is `walls`"
     )
     coarser: Annotated[
-        float | Literal["auto", "off"], Kind("1.1 to 5, `auto` or `off`", "1.5", "1", _coarser, _shows_convergence)
+        float | Literal["auto", "off"],
+        Kind(
+            "1.1 to 5, `auto` or `off`",
+            "1.5",
+            "1",
+            _coarser,
+            lambda factor: isinstance(factor, str) or 1.1 <= factor <= 5.0,
+        ),
     ] = Field(default="auto", description="element size of the [second mesh](#the-mesh), as a multiple of `size`")
 
 
@@ -171,7 +174,9 @@ def _size(design: Design, grading: str) -> tuple[float, str]:
         suits = part * side
         kind = "bodies from files" if design.is_from_file else design.family
         reason = f"that is {part:g} times the smallest side, the most for {kind}"
-    size = not_too_many(design, suits)
+    size = suits
+    while expected_tets(size, design.extent, design.meshed_volume) > MOST_CHOSEN_TETS:
+        size *= 1.05
     if size > suits:
         reason = f"{suits:.2g} mm would be right, but the body would then have more than {MOST_CHOSEN_TETS} elements"
     return round_down(size, 2), reason
@@ -181,10 +186,3 @@ def _for_walls(design: Design, grading: str) -> float:
     """The length (mm) over which walls bend, as far as a grading resolves them."""
     length = sqrt(design.thinnest_wall * min(design.extent) / 2)
     return length * (WITHOUT_GRADING if grading == "off" else 1.0)
-
-
-def not_too_many(design: Design, size: float) -> float:
-    """The size (mm), or a larger one with which a body has about MOST_CHOSEN_TETS elements."""
-    while expected_tets(size, design.extent, design.meshed_volume) > MOST_CHOSEN_TETS:
-        size *= 1.05
-    return size

@@ -132,19 +132,13 @@ def law_of_record(record: ReadObject) -> Saved:
     kinds: dict[Any, type[Any]] = {law.kind: law for law in get_args(Saved)}
     if record.get("format") not in READ or record.get("kind") not in kinds:
         raise ValueError(f"it is no law of an arm in format {FORMAT}")
-    readers: dict[str, Callable[[ReadObject], Saved]] = {ArmLaw.kind: _read_plane, PairLaw.kind: _read_pairs}
-    found = kinds[record["kind"]]
-    return readers.get(found.kind, lambda one: value_of(found, one))(record)
-
-
-def _read_plane(record: ReadObject) -> ArmLaw:
-    return _checked(value_of(ArmLaw, record))
-
-
-def _read_pairs(record: ReadObject) -> PairLaw:
-    found = value_of(_Rays, record)
-    laws = tuple(_checked(ray.law) for ray in found.rays)
-    return PairLaw(found.cavities, tuple(ray.direction for ray in found.rays), laws, found.error_between)
+    if record["kind"] == PairLaw.kind:
+        found = value_of(_Rays, record)
+        laws = tuple(_checked(ray.law) for ray in found.rays)
+        return PairLaw(found.cavities, tuple(ray.direction for ray in found.rays), laws, found.error_between)
+    if record["kind"] == ArmLaw.kind:
+        return _checked(value_of(ArmLaw, record))
+    return value_of(kinds[record["kind"]], record)
 
 
 def _checked(law: ArmLaw) -> ArmLaw:

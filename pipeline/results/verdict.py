@@ -125,7 +125,8 @@ class Verdict(Printable):
     def lines(self) -> tuple[str, ...]:
         """The verdict in words, at most eight lines."""
         limit = self.limit.text if self.limit else ""
-        lines = [*self._leaves_plane(), *self._bends(), self._takes(), self.layers, limit]
+        leaves = f"{self.design}: {self.refusal.text}" if self.refusal and self.refusal.code == OUT_OF_PLANE else ""
+        lines = [leaves, *self._bends(), self._takes(), self.layers, limit]
         lines += [self.tolerances.text] if self.usable and self.tolerances else []
         lines += [self.in_time.text] if self.usable and self.in_time else []
         lines += [self._holds(), self.command, *self._not_reached()]
@@ -134,9 +135,6 @@ class Verdict(Printable):
     def _repr_html_(self) -> str:
         """For notebooks."""
         return "".join(f"<p>{escape(line)}</p>" for line in self.lines)
-
-    def _leaves_plane(self) -> list[str]:
-        return [f"{self.design}: {self.refusal.text}"] if self.refusal and self.refusal.code == OUT_OF_PLANE else []
 
     def _bends(self) -> list[str]:
         length, draft = number(self.length_mm), " (draft)" if self.draft else ""

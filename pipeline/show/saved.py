@@ -33,6 +33,7 @@ _RAMP = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec
 def render_page(run: Run) -> str:
     """The page on a run, whose pictures are in its folder."""
     view, verdict = body_view(run), verdict_of(run)
+    reached = [state.pressure_kPa for state in run.states if state.experiment == "II" and state.reached]
     return render(
         "report.html.j2",
         TEMPLATES,
@@ -40,7 +41,7 @@ def render_page(run: Run) -> str:
         run=run,
         arm=Hand.of(run).arm,
         verdict=verdict,
-        bent=_picture(run, _bent_body(run)),
+        bent=_picture(run, name_of_state("II", max(reached)) if reached else "body"),
         body=_picture(run, "body_open") or _picture(run, "body"),
         figures=figures.make_figures(run),
         tables=tables.make_tables(run),
@@ -50,12 +51,6 @@ def render_page(run: Run) -> str:
         gradient=", ".join(_RAMP),
         config=json.dumps(run.config, indent=1, ensure_ascii=False),
     )
-
-
-def _bent_body(run: Run) -> str:
-    """The name of the picture of the arm bent the most without a load."""
-    reached = [state.pressure_kPa for state in run.states if state.experiment == "II" and state.reached]
-    return name_of_state("II", max(reached)) if reached else "body"
 
 
 def _picture(run: Run, name: str) -> str:

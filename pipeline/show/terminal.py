@@ -27,7 +27,12 @@ def body_table(file: Path, config: Config, body: Body) -> Table:
     filled = "the inlet is filled with the material of the body"
     rows += [(f"plug {name}", f"{filled}, {depth:.4g} mm deep") for name, depth in design.plug_depths.items()]
     chosen = config.mesh.chosen
-    rows += [(name, f"{value}, because {chosen[name]}") for name, value in _chosen_values(config).items()]
+    values = {
+        "formulation": config.mesh.formulation,
+        "grading": config.mesh.grading,
+        "size": f"{config.mesh.size_mm:g} mm",
+    }
+    rows += [(name, f"{value}, because {chosen[name]}") for name, value in values.items() if name in chosen]
     at = ", ".join(f"{coordinate:.3g}" for coordinate in quality.position)
     rows += [
         ("tetrahedra", str(quality.count)),
@@ -35,10 +40,3 @@ def body_table(file: Path, config: Config, body: Body) -> Table:
         ("edges", f"{quality.mean_edge:.3g} mm on average, at most {quality.longest_edge:.3g} mm"),
     ]
     return Table(("", ""), tuple(rows))
-
-
-def _chosen_values(config: Config) -> dict[str, str]:
-    """What the program has chosen for the mesh, by the key of the section `mesh`."""
-    mesh = config.mesh
-    values = {"formulation": mesh.formulation, "grading": mesh.grading, "size": f"{mesh.size_mm:g} mm"}
-    return {name: value for name, value in values.items() if name in mesh.chosen}

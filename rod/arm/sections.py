@@ -1,6 +1,6 @@
 """The sections of an arm at one pressure, as the elements read them, and those with two straight lines."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol, final
 
 import numpy as np
@@ -39,10 +39,6 @@ class LinesSection:
     own_s: Array  #: (k,) mm, of the own moment
     own_moment: Array  #: (k,) N mm, of the weight under which the rod has kappa_0
     is_loaded: bool  #: whether anything acts: the intercepts of an idle rod are zero
-
-    def with_own_moment(self, s: Array, moment: Array) -> "LinesSection":
-        """The same with an own moment (k,) at positions (k,)."""
-        return replace(self, own_s=s, own_moment=moment)
 
     @property
     def rigid(self) -> float:

@@ -75,7 +75,7 @@ def section_at(path: Sequence[Placed[CellCurve]], place: float, pressure: float)
         (pairs.moment, column, monotone_slopes(pairs.moment, column)) for column in (pairs.kappa, pairs.stretch)
     )
 
-    sides = (pairs.first, first), (pairs.second, second)
+    sides, around = ((pairs.first, first), (pairs.second, second)), _around(path, lower, upper)
 
     def straight(name: str) -> Array:
         column = pairs.straight((getattr(first, name), getattr(second, name)), (first.moment, second.moment))
@@ -106,9 +106,9 @@ def section_at(path: Sequence[Placed[CellCurve]], place: float, pressure: float)
         straight("axial_rigidity"),
         straight("shear_rigidity"),
         first.s,
-        straight("ripple") + _beyond_straight_at(_around(path, lower, upper), _ripple_at, place, moment),
+        straight("ripple") + _beyond_straight_at(around, lambda curve, at: _over(at, curve, "ripple"), place, moment),
         {name: in_space(name) for name in IN_SPACE if first.is_in_space and second.is_in_space},
-        _volumes(_around(path, lower, upper), in_space, place, cubic(*kappa, moment)),
+        _volumes(around, in_space, place, cubic(*kappa, moment)),
     )
 
 
@@ -121,12 +121,11 @@ def _volumes(
     """
     if not all(at.curve.volume.size for at in around):
         return np.empty(0)
-    return straight("volume") + _beyond_straight_at(around, _volume_at, place, kappa, "kappa")
 
+    def at(curve: CellCurve, kappa: Array) -> Array:
+        return monotone_cubic(curve.kappa, curve.volume, kappa)
 
-def _volume_at(curve: CellCurve, kappa: Array) -> Array:
-    """(n, c) mm2 at curvatures (n,)."""
-    return monotone_cubic(curve.kappa, curve.volume, kappa)
+    return straight("volume") + _beyond_straight_at(around, at, place, kappa, "kappa")
 
 
 def _along(curve: CellCurve) -> SectionLaw:
@@ -200,7 +199,7 @@ def clamp_at(
     high, high_slope = _rotations(path[upper], pairs.second, pairs.second_slope, step)
     rotation = interpolate_columns(moment, pairs.moment, hermite(pairs.t, low, high, low_slope, high_slope))
     offset = straight(ClampCurve.offset_at) + _beyond_straight_at(around, ClampCurve.offset_at, place, moment)
-    volume = np.empty(0)
+    volume, a, b = np.empty(0), first.lateral_compliance, second.lateral_compliance
     if all(at.curve.volume.size for at in around):
         volume = straight(ClampCurve.volume_at) + _beyond_straight_at(around, ClampCurve.volume_at, place, moment)
     return ClampCurve(
@@ -216,7 +215,7 @@ def clamp_at(
         offset_by_moment=parabola_slopes(moment, offset),
         s=first.s,
         beside=straight(ClampCurve.beside_at) + _beyond_straight_at(around, ClampCurve.beside_at, place, moment),
-        lateral_compliance=_straight_compliance(first, second, pairs.t),
+        lateral_compliance=(1 - pairs.t) * a + pairs.t * b if a.size and b.size else np.empty(0),
         volume=volume,
     )
 
@@ -238,17 +237,6 @@ def _rotations(at: Placed[ClampCurve], moment: Array, slope: Array, step: float)
     by_moment = cubic_slope(curve.moment, curve.rotation, curve.rotation_by_moment, inside)
     by_place = curve.slopes_at(at.slopes["rotation"], moment)
     return curve.rotation_at(moment), by_place * step + by_moment * slope
-
-
-def _straight_compliance(first: ClampCurve, second: ClampCurve, t: float) -> Array:
-    """(2, 2), empty where one of both curves has none."""
-    low, high = first.lateral_compliance, second.lateral_compliance
-    return (1 - t) * low + t * high if low.size and high.size else np.empty(0)
-
-
-def _ripple_at(curve: CellCurve, moment: Array) -> Array:
-    """(n, m, 2) mm at moments (n,), joined by straight lines."""
-    return interpolate_columns(moment, curve.moment, curve.ripple)
 
 
 def tip_at(path: Sequence[Placed[TipCurve]], place: float, pressure: float) -> TipCurve:

@@ -107,8 +107,8 @@ def moment_between(free: Centreline, loaded: Centreline, load: Load) -> Moment:
 
     This is the moment that changes the curvature of the free curve into that of the loaded one.
     """
-    moment = moment_from_load(loaded, load)
-    return Moment(moment.s, moment.value - moment_from_load(free, load.own_weight).value)
+    moment, weight = moment_from_load(loaded, load), Load(weight=load.weight, weight_height=load.weight_height)
+    return Moment(moment.s, moment.value - moment_from_load(free, weight).value)
 
 
 def _lever_integral(s: Array, x: Array) -> Array:

@@ -100,7 +100,8 @@ def identify(
     regression = _weighted_regression(observed, grid, MAX_RIGIDITY_RATIO * single.alpha.value)
     profile = [regression.bounded(d) for d in grid]
     best = profile[0] if len(grid) == 1 else regression.bounded(regression.refine(grid, profile))
-    law = _law_of(best)
+    a1, b1, a2, b2 = best.parameters[:4]
+    law = FiveParameters(1 / a1, 1 / a2, b1 / a1, b2 / a2, best.d or 0.0)
     resample = Resample.of(regression, best, bootstrap.draws, bootstrap.generator())
     sampled = _refit(regression.about(best), _candidates(grid, law.d), resample)
     cells = float(np.ptp(observed.s)) / observed.pitch + 1.0
@@ -162,11 +163,6 @@ def _weighted_regression(observed: Observed, grid: Array, max_rigidity: float) -
 
     regression = Regression.weighted(observed, observed.covariance, OFFSET, best)
     return Regression(observed, regression.weights, max_rigidity)
-
-
-def _law_of(fit: Fit) -> FiveParameters:
-    a1, b1, a2, b2 = fit.parameters[:4]
-    return FiveParameters(1 / a1, 1 / a2, b1 / a1, b2 / a2, fit.d or 0.0)
 
 
 def _candidates(grid: Array, d: float) -> Array:

@@ -149,15 +149,13 @@ class LinesRod:
     def _section(self, *, is_loaded: bool) -> LinesSection:
         none = np.zeros(len(self.s))
         section = LinesSection(self.law, self.length, self.s, self.rest, self.s, none, is_loaded)
-        return self._with_own_moment(section) if self.own else section
-
-    def _with_own_moment(self, section: LinesSection) -> LinesSection:
-        """The moment of its weight, in the shape of kappa_0."""
-        model = _Model(self, section)
+        if not self.own:
+            return section
+        model = _Model(self, section)  # for the moment of its weight, in the shape of kappa_0
         s = positions_between([0.0, self.length], self.length / (8 * ELEMENTS))
         solver = Solver(model, s, Load(along=self.own), in_space=False)
         nodes = solver.nodes(solver.rest())
-        return section.with_own_moment(nodes.s, nodes.moment[:, 2])
+        return replace(section, own_s=nodes.s, own_moment=nodes.moment[:, 2])
 
 
 def _column(values: Array) -> Array:

@@ -203,10 +203,6 @@ class LinearForm(Form):
         return self.kind.from_uniaxial(dict(zip(self.constants, constants.tolist(), strict=True)), nu)
 
 
-def _third(stretch: Array, across: Array | None) -> Array:
-    return np.asarray(stretch**-0.5 if across is None else 1 / (stretch * across))
-
-
 @final
 @dataclass(frozen=True)
 class OgdenForm(Form):
@@ -214,7 +210,10 @@ class OgdenForm(Form):
 
     def fitted(self, points: Points, reach: float) -> Array:
         modulus, terms, weight = points.modulus, len(self.constants) // 2, points.weight
-        s, third = points.stretch[:, None], points.by_state(_third)[:, None]
+        s, third = (
+            points.stretch[:, None],
+            points.by_state(lambda s, other: s**-0.5 if other is None else 1 / (s * other))[:, None],
+        )
         if modulus <= 0:
             raise MaterialError("Ogden: the stress falls")
 

@@ -32,15 +32,6 @@ OTHER_BATCH = (
 )
 
 
-@dataclass(frozen=True)
-class CalibrateOptions:
-    """What a user may ask for."""
-
-    free: tuple[str, ...] = ()  #: dimensions; none: those whose tolerances move the tip most
-    align: bool = False  #: move the rows onto the rod at rest
-    ratio: str | None = None  #: of the pressures of a law that has several
-
-
 @dataclass(frozen=True, eq=False)  # arrays inside
 class CalibrationReport:
     """A calibration and where it was written."""
@@ -78,16 +69,19 @@ def calibrate_files(
     folder: Path,
     file: Path,
     out: Path | None = None,
-    options: CalibrateOptions | None = None,
+    free: Sequence[str] = (),
+    *,
+    align: bool = False,
+    ratio: str | None = None,
     tell: Callable[[str], object] = str,
 ) -> CalibrationReport:
     """The calibrated arm of a result folder and a file of measurements, written to another folder.
 
-    out: FOLDER_calibrated by default; an earlier calibration in it is replaced. tell: is told the time left. Raises
-    InputError.
+    out: FOLDER_calibrated by default; an earlier calibration in it is replaced. free: dimensions; none: those
+    whose tolerances move the tip most. align: move the rows onto the rod at rest. ratio: of the pressures of a law
+    that has several. tell: is told the time left. Raises InputError.
     """
-    options = options or CalibrateOptions()
-    run, measurements = run_along(folder, options.ratio), read_measurements(file)
+    run, measurements = run_along(folder, ratio), read_measurements(file)
     law = law_to_calibrate(run)
     out = out or folder.with_name(f"{folder.name}_calibrated")
     if out.resolve() == folder.resolve():
@@ -95,9 +89,9 @@ def calibrate_files(
     earlier = read_calibration(run.directory)
     drawn = earlier.setup.drawn_mm if earlier else law.length
     store = claim(out, CALIBRATION)
-    if options.align:
+    if align:
         measurements = aligned(measurements, LawRods(law), Setup(drawn_mm=drawn))
-    found = calibrated(law, run.config, measurements, options.free, drawn, tell)
+    found = calibrated(law, run.config, measurements, free, drawn, tell)
     if earlier and abs(found[MODULUS].mean - 1.0) > OF_ONE_BATCH:
         found = replace(found, notes=(*found.notes, OTHER_BATCH.format(found[MODULUS].mean)))
     reported = report_reason(found.missed or _remark(run, found)), *_in_time(run, found)

@@ -123,13 +123,9 @@ def compare_files(
     rows, unknown = numbers.beside(predicted, total), (*unknown, *(off_range(law, numbers, setup) if law else ()))
     if saved is None and not all(row.is_within for row in rows):
         unknown = (*unknown, *doubt_of_origin(measurements))
-    curves, shares = numbers.curves(any_rod, setup), _shares(bands)
+    curves, sizes = numbers.curves(any_rod, setup), {name: float(np.sqrt(np.mean(of**2))) for name, of in bands.items()}
+    shares = {name: size / (sum(sizes.values()) or 1.0) for name, size in sizes.items()}
     return Comparison(measurements.file, run.design, run.length_mm, rows, shares, saved is not None, curves, unknown)
-
-
-def _shares(bands: dict[str, Array]) -> dict[str, float]:
-    sizes = {name: float(np.sqrt(np.mean(band**2))) for name, band in bands.items()}
-    return {name: size / (sum(sizes.values()) or 1.0) for name, size in sizes.items()}
 
 
 def _bands(

@@ -244,23 +244,16 @@ def budget_for(
 def _with_settings(run: Run, settings: Sequence[str]) -> Tolerances:
     """The tolerances of the configuration with others in their place."""
     known = Tolerances.from_record(run.config.get("tolerances"))
-    law = _law(run)
+    known_units: dict[str, units.Dimension | None] = {}
+    if law := _law(run):
+        measured = {"mm": units.LENGTH, "MPa": units.STRESS, "N": units.FORCE}
+        known_units = {PRESSURE: units.PRESSURE, STIFFNESS: None}
+        known_units |= {name: measured.get(rate.unit) for name, rate in law.rates.items()}
     for setting in settings:
         key, separator, written = setting.partition("=")
         if not separator:
             raise InputError(
                 f"{argument('tolerances', setting)}: write it as KEY=VALUE, for example geometry.wall='0.1 mm'"
             )
-        units = {} if law is None else _units(law)
-        known = ask(argument("tolerances", setting), known.with_setting, key.strip(), written.strip(), units)
+        known = ask(argument("tolerances", setting), known.with_setting, key.strip(), written.strip(), known_units)
     return known
-
-
-def _units(law: ArmLaw) -> dict[str, units.Dimension | None]:
-    """What each tolerance measures."""
-    measured = {"mm": units.LENGTH, "MPa": units.STRESS, "N": units.FORCE}
-    return {
-        PRESSURE: units.PRESSURE,
-        STIFFNESS: None,
-        **{name: measured.get(rate.unit) for name, rate in law.rates.items()},
-    }

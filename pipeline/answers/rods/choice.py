@@ -89,19 +89,16 @@ def told_ratios(law: Law) -> str:
 def _source(run: Run, kind: str) -> Law | PressurisedRod:
     if kind == "law":
         if run.law is None:
-            raise InputError(f"{run.directory}: has no law.json, the arm's own law{_why(run)}; take rod five")
+            reason = next((r.text for r in (*run.failures, *run.remarks) if r.code == "no_arm_law"), "")
+            why = f" ({reason.rstrip('.')})" if reason else ""
+            raise InputError(f"{run.directory}: has no law.json, the arm's own law{why}; take rod five")
         return run.law.law
     if not run.identified_kPa:
         raise nothing_identified(run)
-    return replace(run.parameters.rods(), mass=_mass(run))
-
-
-def _mass(run: Run) -> Mass | None:
-    """As in the law of a run, else spread evenly at the height of the material curve; None where it is not known."""
-    of_law, grams = run.law.law.mass if run.law else None, run.parameters.mass_g
-    if of_law is not None:
-        return of_law
-    return None if grams is None else Mass.even(run.length_mm, grams)
+    mass, grams = run.law.law.mass if run.law else None, run.parameters.mass_g
+    if mass is None and grams is not None:  # spread evenly at the height of the material curve
+        mass = Mass.even(run.length_mm, grams)
+    return replace(run.parameters.rods(), mass=mass)
 
 
 def nothing_identified(run: Run) -> InputError:
@@ -110,12 +107,6 @@ def nothing_identified(run: Run) -> InputError:
     without = "the identification needs II and III at the same pressure"
     missing = without if run.parameters.format else "the run has not come to the identification"
     return InputError(f"{run.directory}: holds no parameters of a rod: {named or run.failure or missing}")
-
-
-def _why(run: Run) -> str:
-    """Why a run has no law of its own, a clause in brackets; empty where it does not say so."""
-    reason = next((r.text for r in (*run.failures, *run.remarks) if r.code == "no_arm_law"), "")
-    return f" ({reason.rstrip('.')})" if reason else ""
 
 
 def run_along(path: Path, ratio: str | None) -> Run:

@@ -4,7 +4,6 @@ import math
 import warnings
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -32,37 +31,43 @@ EXAMPLES = {
 }
 
 
-def read_weight(orientation: Any, tip_mass: Any, mass_at: Sequence[str] = ()) -> Loading:
-    """Weight and payloads of an arm, from options. Raises InputError."""
+def read_loading(
+    orientation: Any,
+    tip_mass: Any,
+    mass_at: Sequence[str] = (),
+    *,
+    force: Any = None,
+    moment: Any = 0.0,
+    end_y: Any = None,
+    end: Any = None,
+) -> Loading:
+    """Weight, payloads, and what acts on the end or holds it, from options: numbers or texts with units.
+
+    Positions are relative to the clamped end of the material curve. Raises InputError, also where options contradict
+    each other.
+    """
     if (tip_mass is not None or mass_at) and orientation is None:
         orientations = f"{argument('orientation')} hanging, lying, standing, '30 deg' or '[0, -1]'"
         raise InputError(f"{argument('mass_at' if tip_mass is None else 'tip_mass')}: needs {orientations}")
     direction = None if orientation is None else ask(argument("orientation"), gravity_vector, _pair_of(orientation))
     tip_mass_g = ask(argument("tip_mass"), in_grams, 0.0 if tip_mass is None else tip_mass)
     hung = [(at, ask(argument("mass_at"), in_grams, mass)) for (at,), mass in _placed("mass_at", mass_at)]
-    return Loading(direction=direction, tip_mass=tip_mass_g, hung=hung)
-
-
-def read_end(weight: Loading, force: Any, moment: Any = 0.0, end_y: Any = None, end: Any = None) -> Loading:
-    """With what acts on the end or holds it, as numbers or texts with units. Raises InputError, also where they
-    contradict each other.
-
-    Positions are relative to the clamped end of the material curve.
-    """
     if sum(given is not None for given in (force, end_y, end)) > 1:
         names = ", ".join(map(argument, ("force", "end_y", "end")))
         raise InputError(f"{names}: give one of them; the others follow from it")
-    if end is not None and weight.tip_mass:
+    if end is not None and tip_mass_g:
         raise InputError(
             f"{argument('end')}, {argument('tip_mass')}: an end that is held carries no mass; leave one of them out"
         )
     along = force if force is None or is_list(force) else ["0 N", force]
     held = (None, option_value("end_y", end_y, units.LENGTH)) if end_y is not None else None
-    return replace(
-        weight,
+    return Loading(
         force=None if along is None else option_vector("force", along, units.FORCE),
         moment=(option_vector if is_list(moment) else option_value)("moment", moment, units.MOMENT),
         end=held if end is None else option_vector("end", end, units.LENGTH),
+        direction=direction,
+        tip_mass=tip_mass_g,
+        hung=hung,
     )
 
 
@@ -149,7 +154,8 @@ def end_lines(rod: Rod, shape: RodSolution | SpatialSolution, errors: str = "") 
 
     errors: of the rod against finite elements, where known.
     """
-    lines = {"rod": _described(rod), **({"errors": errors} if errors else {})}
+    kind = f"{ARM_LAW}: the arm's own law" if rod.has_own_law else f"{FIVE}: five parameters, inextensible"
+    lines = {"rod": kind, **({"errors": errors} if errors else {})}
     lines |= shape.told
     at_end = float(shape.s[-1])
     lines |= {f"reaction at {one.s:g} mm": _reaction(one) for one in shape.reactions if one.s < at_end or one.couple}
@@ -160,11 +166,6 @@ def _reaction(one: Reaction) -> str:
     """Force of a support on the arm, and its couple where it holds the angle."""
     force = listed(np.array(one.force if one.force[2] else one.force[:2]), "N")
     return f"{force}, {one.couple:.5g} N mm" if one.couple else force
-
-
-def _described(rod: Rod) -> str:
-    """Which rod it is: its name in validation.json, and its name in words."""
-    return f"{ARM_LAW}: the arm's own law" if rod.has_own_law else f"{FIVE}: five parameters, inextensible"
 
 
 def write_shape(shape: RodSolution | SpatialSolution, file: Path) -> None:

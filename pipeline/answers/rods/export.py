@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.answers.rods.choice import choose_rod, plane_of, run_along
+from pipeline.answers.rods.choice import check_kind, choose_rod, plane_of, run_along
 from pipeline.answers.rods.in_time import is_given, rubber_of
 from pipeline.answers.rods.solid import solid_of
 from pipeline.config import units
@@ -29,16 +29,13 @@ from rod.export.tables import write_csv, write_json, write_law_csv, write_law_js
 from rod.pressurised_rod import IDENTIFIED
 from rod.same_pressure import as_known
 
-#: the rods of a result folder that can be exported, by the names of `pipeline.answers.rods.choice`
-RODS = ("law", "five")
-
 
 @dataclass(frozen=True)
 class ExportOptions:
     """What `pneurod export` was asked for beside the folder and the format."""
 
     pressure: str | None = None  #: with its unit; None for all pressures
-    rod: str | None = None  #: one of RODS; None for the one to take
+    rod: str | None = None  #: one of KINDS of `choice`; None for the one to take
     out: Path | None = None  #: folder of the files; None for the result folder
     force: bool = False  #: replace files that exist
     ratio: str | None = None  #: of the pressures of a law that has several
@@ -99,8 +96,7 @@ def _known(target: str | None, options: ExportOptions) -> str:
     """The target. Raises InputError for an unknown one and an unknown rod."""
     if target is None or target not in EXPORTS:
         raise InputError(f"{argument('to', target)}: allowed are {', '.join(EXPORTS)}")
-    if options.rod not in (None, *RODS):
-        raise InputError(f"{argument('rod', options.rod)}: allowed are {', '.join(RODS)}")
+    check_kind(options.rod, "rod")
     return target
 
 

@@ -179,7 +179,8 @@ def _along(rod: Rod | None, forces: Array, axes: int) -> list[Array]:
                 shape = arm.beside(shape, Load(tuple(force.tolist())))
                 curve = _smooth(shape)
                 bent = math.degrees(side * shape.theta[-1]) if side else shape.bending_deg
-                rows.append(np.array([*curve.ravel(), bent, _used(rod, shape)]))
+                is_lost = bool(shape.path.fall or (rod.moment_range and rod.moment_range.warning(shape)))
+                rows.append(np.array([*curve.ravel(), bent, max(arm.used_by(shape), 2.0 * is_lost)]))
                 moved = math.dist(*(row[-2 - curve.shape[1] : -2] for row in (rows[-1], rows[max(0, len(rows) - 2)])))
                 rows[-1][-1] += FILLED * (moved > SNAP * rod.length)
                 continue
@@ -195,12 +196,6 @@ def _smooth(shape: RodSolution | SpatialSolution) -> Array:
     begins, ends = (shape.curve[k] - shape.axis[k] for k in (0, -1))
     along = np.column_stack([np.interp(parts * shape.s[-1], shape.s, column) for column in shape.axis.T])
     return np.asarray(along + np.outer(1.0 - parts, begins) + np.outer(parts, ends))
-
-
-def _used(rod: Rod, shape: Any) -> float:
-    """The part of the law that a shape uses, above 1 where it is beyond it."""
-    is_lost = bool(shape.path.fall or (rod.moment_range and rod.moment_range.warning(shape)))
-    return max(rod.arm.used_by(shape), 2.0 * is_lost)
 
 
 def _solved_tips(run: Run, rods: Rods) -> list[Point]:

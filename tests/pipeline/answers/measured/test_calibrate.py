@@ -13,7 +13,7 @@ import pytest
 from scipy.stats import multivariate_t
 
 import pneurod
-from pipeline.answers.measured.calibrate import CalibrateOptions, CalibrationReport, calibrate_files
+from pipeline.answers.measured.calibrate import CalibrationReport, calibrate_files
 from pipeline.answers.measured.compare import compare_files
 from pipeline.answers.measured.fit import _fitted_at, effects_on, fit, numbers_of, off_range, usual_scatter
 from pipeline.answers.measured.gaussian import Effects, Gaussian, Spread
@@ -48,7 +48,7 @@ def report(tmp_path_factory: pytest.TempPathFactory, few_proposals: None) -> Cal
     folder = tmp_path_factory.mktemp("calibrated")
     law = arm_law().scaled(0.8)
     file = measured(folder / "arm.csv", law, STATES, 0.2, Setup(gauge_kPa=0.2, clamp_deg=0.8))
-    return calibrate_files(with_body(result_folder(folder / "arm")), file, None, CalibrateOptions())
+    return calibrate_files(with_body(result_folder(folder / "arm")), file)
 
 
 def test_modulus_and_setup_are_found_within_their_intervals(report: CalibrationReport) -> None:

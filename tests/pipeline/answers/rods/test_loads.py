@@ -70,7 +70,7 @@ def test_loads_along_the_arm_are_those_of_python(options: tuple[str, ...], loads
 
 def test_one_force_alone_acts_upwards_and_a_part_of_the_length_is_one_of_the_arm() -> None:
     """As `pneurod rod` and `pneurod move` read them."""
-    assert end_loads.read_end(Loading(tip_mass=2.0), "0.05 N") == Loading((0.0, 0.05), tip_mass=2.0)
+    assert end_loads.read_loading(None, None, force="0.05 N") == Loading((0.0, 0.05))
     load, held = end_loads.read_along(80.0, ["0.5 l: [0 N, 0.02 N]"], held_at=["20 mm: angle 5 deg, y -3 mm"])
     assert load == PointLoad(40.0, (0.0, 0.02))
     assert held == Support(20.0, y=-3.0, angle=np.radians(5.0))
