@@ -110,16 +110,12 @@ def sweep(
     who = scheduler or workers.LocalWorkers.of(given_jobs(jobs) or available_cores())
     parent = Path("results") if out is None else given_path(out, "out", "results/sweep")
     folders = [parent / sweep.name if out is None or len(sweeps) > 1 else parent for sweep in sweeps]
-    say = _ignore if isinstance(given_progress(progress), Silent) else typer.echo
+    say = (lambda _: None) if isinstance(given_progress(progress), Silent) else typer.echo
     course = study.Course(who, given_choice(fresh, "fresh"), say)
     reports = tuple(study.run_sweeps(list(zip(sweeps, folders, strict=True)), course))
     for report in reports:
         reached(reports, report.raise_if_failed)
     return reports
-
-
-def _ignore(_: str) -> None:
-    """Receive a sentence about the progress of a sweep that nobody wants to hear."""
 
 
 def design(

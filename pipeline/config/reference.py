@@ -54,16 +54,11 @@ def material_keys(law: str) -> list[KeyEntry]:
 
 def _entries(keys: type[Section], prefix: str = "") -> Iterator[KeyEntry]:
     for key, field in keys.key_fields().items():
-        if inside := _section_in(field):
-            yield from _entries(inside, f"{prefix}{key}.")
-        else:
+        written = next((kind.keys for kind in field.metadata if isinstance(kind, Kind)), field.annotation)
+        if isinstance(written, type) and issubclass(written, Section):
+            yield from _entries(written, f"{prefix}{key}.")
+        else:  # a value, or a section whose keys depend on what is in it
             yield _entry(prefix + key, field)
-
-
-def _section_in(field: FieldInfo) -> type[Section] | None:
-    """The section that is written at a key; None for a value, and where its keys depend on what is in it."""
-    written = next((kind.keys for kind in field.metadata if isinstance(kind, Kind)), field.annotation)
-    return written if isinstance(written, type) and issubclass(written, Section) else None
 
 
 def _entry(key: str, field: FieldInfo) -> KeyEntry:

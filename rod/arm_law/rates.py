@@ -198,16 +198,13 @@ def _by_pressure(curves: Sequence[CellCurve], rates: Sequence[CellRate]) -> list
 
 def changed_clamps(curves: Sequence[ClampCurve], changes: Sequence[Sequence[ClampRate]]) -> tuple[ClampCurve, ...]:
     """The clamped ends after changes of several parameters: of each parameter by curve, times its change."""
-    return tuple(
-        _changed_clamp(curve, of_curve) for curve, of_curve in zip(curves, zip(*changes, strict=True), strict=True)
-    )
-
-
-def _changed_clamp(curve: ClampCurve, changes: Sequence[ClampRate]) -> ClampCurve:
-    new: dict[str, Any] = {}
-    for name in ("rotation", "offset"):
-        value = np.sum([getattr(change, name) for change in changes], axis=0)
-        slope = parabola_slopes(curve.moment, value) if len(curve.moment) > 1 else np.zeros_like(value)
-        by_moment = f"{name}_by_moment"
-        new |= {name: getattr(curve, name) + value, by_moment: getattr(curve, by_moment) + slope}
-    return replace(curve, **new)
+    changed = []
+    for curve, of_curve in zip(curves, zip(*changes, strict=True), strict=True):
+        new: dict[str, Any] = {}
+        for name in ("rotation", "offset"):
+            value = np.sum([getattr(change, name) for change in of_curve], axis=0)
+            slope = parabola_slopes(curve.moment, value) if len(curve.moment) > 1 else np.zeros_like(value)
+            by_moment = f"{name}_by_moment"
+            new |= {name: getattr(curve, name) + value, by_moment: getattr(curve, by_moment) + slope}
+        changed.append(replace(curve, **new))
+    return tuple(changed)

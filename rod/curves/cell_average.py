@@ -53,7 +53,7 @@ def cell_averaged(centreline: Centreline, pitch: float) -> Curvature:
     difference = (ahead - behind) / pitch
     angle = centreline.angle
     kappa = difference @ angle
-    response = difference @ _sideways(s)
+    response = difference @ (np.diff(np.eye(len(s)), axis=0) / np.diff(s)[:, None])  # of angles by sideways motions
     centres = middle[starts] + 0.5 * pitch
     theta = np.interp(centres, middle, angle)
     resolution = difference @ mean_angle_weights(s, length)
@@ -67,15 +67,6 @@ def _interpolation(x: Array, at: Array) -> Array:
     weights = np.zeros((len(at), len(x)))
     weights[np.arange(len(at)), left] = 1.0 - fraction
     weights[np.arange(len(at)), left + 1] += fraction
-    return weights
-
-
-def _sideways(s: Array) -> Array:
-    """(n - 1, n) 1/mm: derivative of the chord angles by sideways displacements of the nodes."""
-    h = np.diff(s)
-    weights = np.zeros((len(h), len(s)))
-    weights[np.arange(len(h)), np.arange(len(h))] = -1.0 / h
-    weights[np.arange(len(h)), np.arange(len(h)) + 1] = 1.0 / h
     return weights
 
 

@@ -63,8 +63,12 @@ class FitOptions:
         ask(argument("nu"), StVenantKirchhoff, 1.0, nu)
 
         def value(option: str, dimension: units.Dimension) -> float | None:
-            text = texts.get(option)
-            return None if text is None else _positive(option, text, dimension)
+            if (text := texts.get(option)) is None:
+                return None
+            if (found := option_value(option, text, dimension)) <= 0:
+                allowed = f"allowed: above zero, for example '{dimension.example}'"
+                raise InputError(f"{argument(option)}: {text} is not allowed; {allowed}")
+            return found
 
         value("density", units.DENSITY)
         return FitOptions(
@@ -155,12 +159,3 @@ def fit_tests(paths: Sequence[Path], options: FitOptions) -> Material:
     except MaterialError as failure:
         raise RunFailed("; ".join([f"no law can be fitted: {failure}", *notes])) from None
     return Material(options, tests, Kinds(tests, together, alone, words, options.given), notes, hold)
-
-
-def _positive(option: str, text: str, dimension: units.Dimension) -> float:
-    value = option_value(option, text, dimension)
-    if value <= 0:
-        raise InputError(
-            f"{argument(option)}: {text} is not allowed; allowed: above zero, for example '{dimension.example}'"
-        )
-    return value

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,8 @@ def solid_of(run: Run) -> Solid | None:
     Raises `RodError` for a material that is no law with its constants.
     """
     parameters, path = run.parameters, run.directory / BODY
-    corners = _corners(path) if path.is_file() else None
+    points, tets = read_tetrahedra(path) if path.is_file() else (None, None)
+    corners = None if points is None else points[tets]
     volume, mass = parameters.solid_volume_mm3, parameters.mass_g
     if volume is None and corners is not None:  # no five parameters: `law: cell`, `pneurod cell`, or calibrated
         volume = float(_volumes(corners).sum()) * (1.0 if corners[..., 2].min() < 0.0 else 2.0)
@@ -47,11 +47,6 @@ def young_modulus(material: Mapping[str, Any]) -> float:
         return law(**{name: material[name] for name in law.constants()}).young_modulus
     except (KeyError, TypeError, ValueError) as failure:
         raise RodError(f"The material of the file is not a law with its constants: {failure}.") from None
-
-
-def _corners(path: Path) -> Array:
-    points, tets = read_tetrahedra(path)
-    return points[tets]
 
 
 def _volumes(corners: Array) -> Array:
