@@ -28,20 +28,14 @@ def frame_of(kind: type[State | RodError | Effect], rows: Sequence[State | RodEr
     columns: dict[str, list[Any]] = {}
     for field in fields(kind):
         values = [getattr(row, field.name) for row in rows]
-        size = {"Pair": 2, "Position": 3}.get(_name(field.type), 0)
-        if not size:
+        size = str(field.type).count("float")  # of a pair, and of a position
+        if size not in (2, 3):
             columns[field.name] = values
             continue
         stem, _, unit = field.name.rpartition("_")
         for k, axis in enumerate(_AXES[:size]):
             columns[f"{stem}_{axis}_{unit}"] = [None if value is None else value[k] for value in values]
     return pd.DataFrame({name: _column(name, values) for name, values in columns.items()})
-
-
-def _name(kind: Any) -> str:
-    """Pair or Position where a field holds one; empty otherwise."""
-    text = str(kind)
-    return "Position" if text.count("float") == 3 else "Pair" if text.count("float") == 2 else ""
 
 
 def _column(name: str, values: Sequence[Any]) -> Any:

@@ -129,7 +129,7 @@ def _grid(points: Array, tets: Index) -> Any:
     return pyvista.UnstructuredGrid({kind: np.ascontiguousarray(tets, dtype=np.int64)}, np.array(points, dtype=float))
 
 
-def _attach(grid: Any, name: str, values: Array) -> str:
+def _attach(grid: Any, name: str, values: Array) -> None:
     """Put a field on nodes or elements, whichever it has as many rows as."""
     if len(values) == grid.n_points:
         grid.point_data[name] = values
@@ -139,7 +139,6 @@ def _attach(grid: Any, name: str, values: Array) -> str:
         raise ValueError(
             f"the field '{name}' has {len(values)} rows; the body has {grid.n_points} nodes and {grid.n_cells} elements"
         )
-    return name
 
 
 def _skin(grid: Any) -> Any:

@@ -86,7 +86,10 @@ class Rod(Printable):
         for name, unit in (("theta0", "rad"), ("weight_height", "mm")):
             object.__setattr__(self, name, finite(getattr(self, name), name, unit))
         if isinstance(self.law, LawRod | SpaceRod):
-            self._check_nothing_twice(self.law.weight)
+            is_weighed = self.weight not in ((0.0, 0.0), self.law.weight)
+            given = {"kappa_0": self.kappa_0 is not None, "theta0": self.theta0 != 0.0, "weight": is_weighed}
+            for name in (name for name, is_given in given.items() if is_given):
+                raise RodError(f"A rod with the arm's own law takes no {name}: the law has it or needs none.")
             object.__setattr__(self, "law", self.law.of(float(self.length), self.mass))
             object.__setattr__(self, "mass", self.law.mass)
             object.__setattr__(self, "weight", self.law.weight)
@@ -97,16 +100,6 @@ class Rod(Printable):
         if not 0.0 < self.law.d < self.length:
             raise RodError(f"The break d = {self.law.d:g} mm lies off the rod of {self.length:g} mm.")
         _ = self.arm  # refuses a kappa_0 that does not fit
-
-    def _check_nothing_twice(self, weight: tuple[float, float]) -> None:
-        given = {
-            "kappa_0": self.kappa_0 is not None,
-            "theta0": self.theta0 != 0.0,
-            "weight": self.weight not in ((0.0, 0.0), weight),
-        }
-        for name, is_given in given.items():
-            if is_given:
-                raise RodError(f"A rod with the arm's own law takes no {name}: the law has it or needs none.")
 
     @cached_property
     def arm(self) -> Arm:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import pneurod
-from pipeline.api.plots import Plots
+from pipeline.api.results import Plots
 from tests.coarse import COARSE
 
 

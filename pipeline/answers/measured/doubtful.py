@@ -115,20 +115,6 @@ def _check_reach(numbers: Numbers, predicted: Array, length_mm: float) -> None:
         )
 
 
-def missed(numbers: Numbers, rows: Sequence[Compared], usual: Mapping[str, float], length_mm: float) -> Reason | None:
-    """Why a fit is no calibration: it misses a large part of the motion; None where it is one.
-
-    rows: beside the fit. usual: scatter by unit, by which numbers of all units are weighed.
-    """
-    scatter = np.array([usual[unit] for unit in numbers.units])
-    off, motion = np.array([row.difference for row in rows]), numbers.values - numbers.straight(length_mm)
-    off, motion = off / scatter, motion / scatter
-    part = float(np.linalg.norm(off)) / (float(np.linalg.norm(motion)) or 1.0)
-    if part < MISSED or np.sqrt(np.mean(off**2)) < SCATTERS:
-        return None
-    return Reason("not_calibrated", {"percent": 100.0 * part, **_told(rows[int(np.abs(off).argmax())])})
-
-
 def _told(row: Compared) -> dict[str, float | str]:
     return {"line": row.line, "quantity": row.quantity, "measured": row.measured, "fitted": row.predicted}
 
@@ -144,14 +130,20 @@ def doubt_of_origin(measurements: Measurements) -> list[str]:
 def failure_of(
     numbers: Numbers, rows: Sequence[Compared], usual: Mapping[str, float], length_mm: float, step: float
 ) -> Reason | None:
-    """Why a fit is no calibration: as `missed`, or it did not come to its end, and numbers lie outside; else None.
+    """Why a fit is no calibration: it misses a large part of the motion, or did not end, and numbers lie outside.
 
-    step: as of `Gaussian`.
+    rows: beside the fit. usual: scatter by unit, by which numbers of all units are weighed. step: as of `Gaussian`.
+    None where it is a calibration.
     """
+    scatter = np.array([usual[unit] for unit in numbers.units])
+    off, motion = np.array([row.difference for row in rows]), numbers.values - numbers.straight(length_mm)
+    off, motion = off / scatter, motion / scatter
+    part = float(np.linalg.norm(off)) / (float(np.linalg.norm(motion)) or 1.0)
+    if part >= MISSED and np.sqrt(np.mean(off**2)) >= SCATTERS:
+        return Reason("not_calibrated", {"percent": 100.0 * part, **_told(rows[int(np.abs(off).argmax())])})
     outside = [row for row in rows if not row.is_within]
-    why = missed(numbers, rows, usual, length_mm)
-    if why or step < UNSETTLED or not outside:
-        return why
+    if step < UNSETTLED or not outside:
+        return None
     return Reason("unsettled", {"outside": len(outside), "numbers": len(rows), **_told(outside[0])})
 
 

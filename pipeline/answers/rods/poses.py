@@ -71,7 +71,10 @@ class Hand:
         with suppress(InputError, RodError):
             rods = choose_rod(run)
             if len(rods.law.cavities) in PRESSURES:
-                return Hand(_poses(run, rods, points or _solved_tips(run, rods), error_mm))
+                curves = run.curves_of("II") if len(rods.law.cavities) == 1 and rods.law.has_plane else []
+                told = "finite elements, {:g} kPa"
+                tips = [Point(*one.tip_mm, one.pressure_kPa, told.format(one.pressure_kPa)) for one in curves]
+                return Hand(_poses(run, rods, points or tips, error_mm))
         return Hand({})
 
     def __str__(self) -> str:
@@ -196,12 +199,6 @@ def _smooth(shape: RodSolution | SpatialSolution) -> Array:
     begins, ends = (shape.curve[k] - shape.axis[k] for k in (0, -1))
     along = np.column_stack([np.interp(parts * shape.s[-1], shape.s, column) for column in shape.axis.T])
     return np.asarray(along + np.outer(1.0 - parts, begins) + np.outer(parts, ends))
-
-
-def _solved_tips(run: Run, rods: Rods) -> list[Point]:
-    """The tips of finite elements of the whole arm without a load."""
-    curves = run.curves_of("II") if len(rods.law.cavities) == 1 and rods.law.has_plane else []
-    return [Point(*one.tip_mm, one.pressure_kPa, f"finite elements, {one.pressure_kPa:g} kPa") for one in curves]
 
 
 def _outline(run: Run) -> JsonObject | None:

@@ -12,7 +12,7 @@ import pneurod
 from benchmarks.experiments.cases import cases_in
 from pipeline.answers.measured.calibration import OF_RUBBER, calibrated
 from pipeline.answers.measured.compare import compare_files
-from pipeline.answers.measured.doubtful import MISSED, SCATTERS, check_numbers, missed
+from pipeline.answers.measured.doubtful import MISSED, SCATTERS, check_numbers, failure_of
 from pipeline.answers.measured.fit import usual_scatter
 from pipeline.answers.measured.predicted import LawRods, Numbers
 from pipeline.answers.measured.rows import State
@@ -150,7 +150,7 @@ def test_missed_is_a_large_part_of_a_motion_that_can_be_read(
     size = times * usual_scatter(LENGTH, read(tmp_path / "a.csv", "pressure_kPa,tip_y_mm\n8,1\n"))["mm"]
     numbers = read(tmp_path / "arm.csv", f"pressure_kPa,tip_y_mm\n8,{-size / part}\n16,{-size / part}\n")
     rows = numbers.beside(numbers.values - size, np.ones(2))
-    reason = missed(numbers, rows, usual_scatter(LENGTH, numbers), LENGTH)
+    reason = failure_of(numbers, rows, usual_scatter(LENGTH, numbers), LENGTH, 0.0)
     assert (reason is not None) == expected
 
 
@@ -162,7 +162,7 @@ def test_measured_bodies_are_calibrations() -> None:
         numbers = Numbers.of(case.measured)
         worst = 0.08 * (numbers.values - numbers.straight(100.0))  # docs/experiments.md
         rows = numbers.beside(numbers.values - worst, np.ones(len(worst)))
-        assert missed(numbers, rows, usual_scatter(100.0, numbers), 100.0) is None
+        assert failure_of(numbers, rows, usual_scatter(100.0, numbers), 100.0, 0.0) is None
     assert MISSED > 3.0 * 0.08
     assert SCATTERS >= 3.0
 
