@@ -11,7 +11,7 @@ displacement z by a unit force on it, as -z . D: two more right-hand sides at ea
 is solved for a parameter. With mixed elements the residuals of the pressures and their changes belong to D and z.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import final
@@ -22,7 +22,7 @@ from fem.cell.piece import BendingPiece, PieceState
 from fem.cell.response import Slopes
 from fem.discretisation import Discretisation
 from fem.effects.barrier import FacingTerm
-from fem.effects.effect import Term, Terms
+from fem.effects.effect import Term
 from fem.effects.facing_pairs import FacingPairs
 from fem.effects.membrane import LayerTerm, Membrane
 from fem.effects.mirror_layer import MirroredLayerTerm
@@ -55,11 +55,6 @@ class Variant:
         solid = piece.material if material is None else material
         moduli = (laws_of(law)[""].shear_modulus for law in (solid, piece.material))
         return Variant(space, formulation_of(space, solid), next(moduli) / next(moduli))
-
-    def on(self, term: LayerTerm | MirroredLayerTerm) -> Term:
-        """A layer of the piece in this one."""
-        layer = self.layer if self.layer and self.layer.name == term.effect else term.sheet
-        return term.changed(layer, self.space.points)
 
     def pairs(self, known: FacingPairs, before: Array) -> FacingPairs:
         """The facing pairs of walls with their areas in this piece; before: (n, 3) its nodes in the piece itself."""
@@ -191,8 +186,9 @@ class _Assemblies:
         law = variant.formulation.evaluate(strain, state.pressure)
         gradient = np.zeros_like(displacement)
         kernels.internal_force(space.arrays, displacement, law.stress, gradient)
-        for term in moved_terms(self._at.terms, piece.space, variant):
-            term.gradient(space.points + displacement, state.factor, gradient)
+        for term in self._at.terms:
+            moved = moved_term(term, piece.space.points, variant)
+            moved.gradient(space.points + displacement, state.factor, gradient)
         return gradient, variant.formulation.pressure_residual(law, np.zeros_like(strain), state.pressure)
 
     @cached_property
@@ -201,17 +197,14 @@ class _Assemblies:
         return self._piece.space.strain_of(self._at.state.displacement)[0]
 
 
-def moved_terms(terms: Terms, before: Discretisation, variant: Variant) -> Sequence[Term]:
-    """The terms of a state on the variant: what they hold of the body at rest follows it."""
-    return [_moved_term(term, before.points, variant) for term in terms]
-
-
-def _moved_term(term: Term, before: Array, variant: Variant) -> Term:
+def moved_term(term: Term, before: Array, variant: Variant) -> Term:
+    """A term of a state on the variant: what it holds of the body at rest follows it; before: (n, 3) nodes there."""
     after = variant.space.points
     if isinstance(term, FacingTerm):
         return replace(term, pairs=variant.pairs(term.pairs, before), stiffness=variant.stiffness * term.stiffness)
     if isinstance(term, LayerTerm | MirroredLayerTerm) and (variant.layer or after is not before):
-        return variant.on(term)
+        layer = variant.layer if variant.layer and variant.layer.name == term.effect else term.sheet
+        return term.changed(layer, after)
     return term
 
 

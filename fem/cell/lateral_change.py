@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.cell.design_change import DesignChange, DesignRate, Variant, moved_terms
+from fem.cell.design_change import DesignChange, DesignRate, Variant, moved_term
 from fem.cell.lateral import LateralRigidities, lateral_rigidities
 from fem.cell.piece import BendingPiece, PieceState
 from fem.cell.response import Slopes
@@ -57,6 +57,6 @@ def _rigidities(piece: BendingPiece, at: PieceState, variant: Variant, displacem
         at,
         distance=float(end @ (np.cos(at.angle), np.sin(at.angle), 0.0)),
         state=State(at.state.factor, displacement, pressure, strain, stress),
-        terms=tuple(moved_terms(at.terms, piece.space, variant)),
+        terms=tuple(moved_term(term, piece.space.points, variant) for term in at.terms),
     )
     return lateral_rigidities(piece.varied(space, formulation), moved)

@@ -1,14 +1,16 @@
 """A body of several materials: a law for each region of the mesh, evaluated for the elements of that region."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
+from typing import TypeVar, final
 
 import numpy as np
 
 from fem.materials.material import Dilatation, Material, MaterialError, Response
 from geometry.arrays import Array, Index
+
+Evaluated = TypeVar("Evaluated", Response, Dilatation)
 
 
 @final
@@ -92,34 +94,25 @@ class Laws:
 
     def shear(self, strain: Array) -> Response:
         """Response of the shear part to strain (e, q, 6)."""
-        return self._response(strain, lambda law, strain: law.shear(strain))
+        return self._evaluated(strain, lambda law, strain: law.shear(strain))
 
     def volumetric(self, strain: Array) -> Response:
         """Response of the volumetric part to strain (e, q, 6)."""
-        return self._response(strain, lambda law, strain: law.volumetric(strain))
+        return self._evaluated(strain, lambda law, strain: law.volumetric(strain))
 
     def dilatation(self, strain: Array) -> Dilatation:
         """theta at strain (e, q, 6)."""
-        if len(self.parts) == 1:
-            return self.first.dilatation(strain)
-        parts = [law.dilatation(strain[members]) for law, members in self.parts]
-        return Dilatation(
-            self._joined([part.value for part in parts], strain.shape[1:2]),
-            self._joined([part.gradient for part in parts], (strain.shape[1], 6)),
-            self._joined([part.hessian for part in parts], (strain.shape[1], 6, 6)),
-        )
+        return self._evaluated(strain, lambda law, strain: law.dilatation(strain))
 
-    def _response(self, strain: Array, evaluate: Callable[[Material, Array], Response]) -> Response:
+    def _evaluated(self, strain: Array, evaluate: Callable[[Material, Array], Evaluated]) -> Evaluated:
         if len(self.parts) == 1:
             return evaluate(self.first, strain)
-        parts = [evaluate(law, strain[members]) for law, members in self.parts]
-        return Response(
-            self._joined([part.energy for part in parts], strain.shape[1:2]),
-            self._joined([part.stress for part in parts], (strain.shape[1], 6)),
-            self._joined([part.tangent for part in parts], (strain.shape[1], 6, 6)),
-        )
+        parts, points = [evaluate(law, strain[members]) for law, members in self.parts], strain.shape[1]
+        values = zip(*(vars(part).values() for part in parts), strict=True)
+        shapes = (points,), (points, 6), (points, 6, 6)
+        return type(parts[0])(*(self._joined(*pair) for pair in zip(values, shapes, strict=True)))
 
-    def _joined(self, values: list[Array], shape: tuple[int, ...]) -> Array:
+    def _joined(self, values: Sequence[Array], shape: tuple[int, ...]) -> Array:
         """(e, *shape) from the values of each part, which may be the same for all its elements and points."""
         joined = np.empty((self.elements, *shape))
         for (_, members), value in zip(self.parts, values, strict=True):

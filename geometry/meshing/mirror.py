@@ -31,8 +31,7 @@ class Repetition:
 
     `solid` holds the regions `end` (x from 0 to `middle`) and, unless half_cells is 0, `cell` (x from `middle` to
     `edge`), which share the vertices of the plane x = middle (mm). Because each copy touches only its own mirror image,
-    neighbours share their vertices by number and no coordinates have to be compared. Raises `ValueError` when
-    half_cells is odd or negative.
+    neighbours share their vertices by number and no coordinates have to be compared.
     The far end of the body is the mirror image of `end`, unless `last` is given: then it is the region `far`, which
     begins with a half cell and shares the vertices of the plane x = edge with `cell`.
     Boundary faces of what is put together: the walls of the solid's air by their names, `clamp` (x = 0), `tip` (the far
@@ -42,16 +41,12 @@ class Repetition:
     solid: SolidMesh
     middle: float  #: where the end piece ends, mm
     edge: float  #: where the half cell ends, mm
-    half_cells: int  #: between the two end pieces of the body
+    half_cells: int  #: between the two end pieces of the body, even
     last: float | None = None  #: length of the far end beyond its half cell, mm; None where it mirrors the end piece
     half: bool = True  #: only z >= 0 is meshed
     #: cavities each of which comes to the place of the next one, the last to that of the first, with the whole body on
     #: itself, where the body is turned about its material curve from y to z; empty where no such turn is known
     turned: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        if self.half_cells % 2 or self.half_cells < 0:
-            raise ValueError(f"the number of half cells must be even, not {self.half_cells}")
 
     @property
     def length(self) -> float:
@@ -81,8 +76,6 @@ class Repetition:
         `tip` the mirror plane."""
         if self.last is None:
             return self.end_piece(half_cells)
-        if half_cells % 2 == 0:
-            raise ValueError(f"the number of half cells of a far end must be odd, not {half_cells}")
         end = self.edge + self.half_pitch + self.last
         regions = {"end": self.solid.regions["far"], "cell": self.solid.regions["cell"]}
         points, middles = (

@@ -167,20 +167,17 @@ def generate(gmsh: Any, several: bool = False) -> None:
     several: whether solids of a drawing share their faces; HXT ends the process at some sheets between them, too.
     Raises `MeshError`.
     """
-    with told("Gmsh could not mesh the body", SMALLER):
-        _generate(gmsh, several)
-
-
-def _generate(gmsh: Any, several: bool) -> None:
     mesh = gmsh.model.mesh
-    mesh.generate(2)
-    count = len(mesh.getNodes()[0])
-    gmsh.option.setNumber("Mesh.Algorithm3D", _INITIAL)
-    mesh.generate(3)
-    needs_points = len(mesh.getNodes()[0]) > count
-    gmsh.option.setNumber("Mesh.Algorithm3D", _DELAUNAY if needs_points or several else _OPTIONS["Mesh.Algorithm3D"])
-    mesh.clear([] if needs_points else gmsh.model.getEntities(3))  # the points have changed the surfaces
-    mesh.generate(3)
+    with told("Gmsh could not mesh the body", SMALLER):
+        mesh.generate(2)
+        count = len(mesh.getNodes()[0])
+        gmsh.option.setNumber("Mesh.Algorithm3D", _INITIAL)
+        mesh.generate(3)
+        needs_points = len(mesh.getNodes()[0]) > count
+        algorithm = _DELAUNAY if needs_points or several else _OPTIONS["Mesh.Algorithm3D"]
+        gmsh.option.setNumber("Mesh.Algorithm3D", algorithm)
+        mesh.clear([] if needs_points else gmsh.model.getEntities(3))  # the points have changed the surfaces
+        mesh.generate(3)
 
 
 def optimize(gmsh: Any, minimum: float) -> None:

@@ -18,7 +18,6 @@ from pipeline.simulate.records import record_of, steps_before_crossing, with_fal
 from pipeline.simulate.scene import Scene, material_of
 from pipeline.store.context import RunContext
 from pipeline.store.parallel import Pending, TaskContext
-from pipeline.store.progress import Progress
 from pipeline.store.store import Store
 from pipeline.values.errors import RunFailed
 from pipeline.values.reasons import render_all
@@ -97,11 +96,7 @@ def simulate(
 def _solve(context: TaskContext, case: LoadCase, scene: Scene, store: Store, end_of_II: EndOfII | None) -> Outcome:
     """Follow the load path of one case from its stored states on."""
     load_kernels(context, scene.config)
-    return _follow(case, scene, store, context.progress, end_of_II)
-
-
-def _follow(case: LoadCase, scene: Scene, store: Store, progress: Progress, end_of_II: EndOfII | None) -> Outcome:
-    at_end = case.end
+    at_end, progress = case.end, context.progress
     experiment = fem.Experiment.of(case.experiment, scene.body, at_end.y_mm, at_end.force_N, at_end.x_mm)
     material = scene.material
     effects = scene.effects(case.schedule.reference_MPa)
