@@ -17,7 +17,7 @@ from fem import Model
 from fem.discretisation import Discretisation
 from fem.effects.effect import Blocks, Term
 from fem.equations.formulation import DisplacementOnly
-from fem.materials.material import Material, Response
+from fem.materials.material import Response
 from fem.materials.regions import Laws
 from fem.path import newton
 from fem.path.active_set import ActiveSet
@@ -67,9 +67,14 @@ class Relaxing(Laws):
     factor: Array  #: (e, 1, 1)
     carried: Array  #: (e, q, 6) MPa, of the branches; that of the volumetric part is at the last point
 
-    def _response(self, strain: Array, evaluate: Callable[[Material, Array], Response]) -> Response:
-        elastic, points = super()._response(strain, evaluate), strain.shape[1]
-        stress = self.factor * elastic.stress + self.carried[:, slice(points) if points > 1 else slice(-1, None)]
+    def shear(self, strain: Array) -> Response:
+        return self._relaxed(super().shear(strain), self.carried[:, : strain.shape[1]])
+
+    def volumetric(self, strain: Array) -> Response:
+        return self._relaxed(super().volumetric(strain), self.carried[:, -1:])
+
+    def _relaxed(self, elastic: Response, carried: Array) -> Response:
+        stress = self.factor * elastic.stress + carried
         return Response(self.factor[..., 0] * elastic.energy, stress, self.factor[..., None] * elastic.tangent)
 
 
