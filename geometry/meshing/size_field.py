@@ -62,9 +62,8 @@ def find_graded(gmsh: Any, grading: Grading, half: bool = True, mirrored: bool =
     if grading.at == "edges":
         curves = (tag for _, tag in model.getEntities(1))
         return "CurvesList", [tag for tag in curves if _is_reentrant(model, tag, inside, near)]
-    # behind which the material is not much thicker than where it is thinnest
-    thickness = _thicknesses(model, inside, near, DEEPEST * float(_sides(model).min()))
-    return "SurfacesList", [face for face, depth in thickness.items() if depth <= THIN * min(thickness.values())]
+    deepest = DEEPEST * float(_sides(model).min())
+    return "SurfacesList", sorted(_thicknesses(model, inside, near, deepest, THIN))
 
 
 def _field(gmsh: Any, kind: str, tags: Sequence[int], smallest: float, growth: float) -> int:
@@ -81,12 +80,13 @@ def _material_test(model: Any, half: bool, mirrored: bool) -> tuple[Inside, floa
     """The test whether a point lies in the solid or its mirror images, and the distance (mm) that counts as near."""
     box = model.getBoundingBox(-1, -1)
     end, near = box[3], NEAR * (box[3] - box[0])
-    volumes = [tag for _, tag in model.getEntities(3)]
+    boxes = {tag: np.array(model.getBoundingBox(3, tag)).reshape(2, 3) for _, tag in model.getEntities(3)}
 
     def inside(point: Array) -> bool:
         x, y, z = point
-        position = [2 * end - x if mirrored and x > end else x, y, abs(z) if half else z]
-        return any(model.isInside(3, tag, position) for tag in volumes)
+        at = np.array([2 * end - x if mirrored and x > end else x, y, abs(z) if half else z])
+        near_it = (tag for tag, (low, high) in boxes.items() if (low - near < at).all() and (at < high + near).all())
+        return any(model.isInside(3, tag, at) for tag in near_it)
 
     return inside, near
 
@@ -110,7 +110,7 @@ def thinnest_wall(gmsh: Any, half: bool = True) -> float:
     that."""
     model = gmsh.model
     deepest = DEEPEST * float((_sides(model) * [1.0, 1.0, 2.0 if half else 1.0]).min())
-    thickness = _thicknesses(model, *_material_test(model, half, mirrored=False), deepest)
+    thickness = _thicknesses(model, *_material_test(model, half, mirrored=False), deepest, 1.0)
     return min(thickness.values(), default=deepest)
 
 
@@ -120,12 +120,32 @@ def _sides(model: Any) -> Array:
     return box[3:] - box[:3]
 
 
-def _thicknesses(model: Any, inside: Inside, near: float, deepest: float) -> dict[int, float]:
-    """Thickness (mm) of the material behind the middle of each face, by tag; those above `deepest` are left out."""
+def _thicknesses(model: Any, inside: Inside, near: float, deepest: float, times: float) -> dict[int, float]:
+    """Thickness (mm) of the material behind the middle of each face, by tag, the smallest first; those above `deepest`
+    are left out, and those above `times` the smallest one."""
     step = (DEEPEST * float(_sides(model).min()) - near) / (STEPS - 1)
-    depths = near + step * np.arange(round((deepest - near) / step) + 1)
-    thickness = {}
-    for _, face in model.getEntities(2):
+    thickness: dict[int, float] = {}
+    ways = _ways_into(model, inside, near)
+    for depth in near + step * np.arange(1, round((deepest - near) / step) + 1):
+        if depth > times * min(thickness.values(), default=np.inf):
+            break
+        for face, (start, inward, (enters, leaves)) in list(ways.items()):
+            at_face = ((enters <= depth) & (leaves >= depth - step)).any()  # a test of a point takes a millisecond
+            if at_face and not inside(start + depth * inward):
+                thickness[face] = float(depth)
+                del ways[face]
+    return thickness
+
+
+def _ways_into(model: Any, inside: Inside, near: float) -> dict[int, tuple[Array, Array, Array]]:
+    """By tag of each face between material and air: its middle (3,), mm, the direction into the material, and between
+    which depths (2, n), mm, the way into it is in the box around a face or its mirror image."""
+    faces = model.getEntities(2)
+    boxes = np.array([model.getBoundingBox(*face) for face in faces]).reshape(-1, 2, 3) + np.array([[-near], [near]])
+    mirrored = [2.0 * model.getBoundingBox(-1, -1)[3], 0.0, 0.0] + boxes * [-1.0, 1.0, 1.0]
+    boxes = np.concatenate([boxes, mirrored, boxes * [1.0, 1.0, -1.0], mirrored * [1.0, 1.0, -1.0]])
+    ways = {}
+    for _, face in faces:
         low, high = model.getParametrizationBounds(2, face)
         middle = [(a + b) / 2 for a, b in zip(low, high, strict=True)]
         position, normal = np.array(model.getValue(2, face, middle)), np.array(model.getNormal(face, middle))
@@ -133,7 +153,7 @@ def _thicknesses(model: Any, inside: Inside, near: float, deepest: float) -> dic
         if behind == before:  # between two regions of the material, or in a hole of the face
             continue
         inward = -normal if behind else normal
-        through = next((float(depth) for depth in depths if not inside(position + depth * inward)), None)
-        if through is not None:
-            thickness[int(face)] = through
-    return thickness
+        at = (boxes - position) / np.where(np.abs(inward) < 1e-12, 1e-12, inward)
+        enters, leaves = at.min(axis=1).max(axis=1), at.max(axis=1).min(axis=1)
+        ways[int(face)] = position, inward, np.array([enters, leaves])[:, enters <= leaves]
+    return ways

@@ -113,6 +113,7 @@ def mesh_session(gmsh: Any, size: float, grading: Grading, half: bool, several: 
     """Mesh the volumes of the session with element edges of about `size` mm at most."""
     gmsh.option.setNumber("Mesh.MeshSizeMax", size)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 16)  # chords of at most pi/8
+    gmsh.option.setNumber("Mesh.OptimizeThreshold", 0.2)  # above it HXT tries for seconds what thin walls do not allow
     gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
     set_size_field(gmsh, size, grading, find_graded(gmsh, grading, half, mirrored=False))
     generate(gmsh, several)
