@@ -81,8 +81,16 @@ elif ! said=$(with_uv 2>&1); then
     "${with_pip[@]}" "${packages[@]}"
 fi
 
-# 0.4 GB of Intel's libraries that nothing here loads: for graphics cards, for clusters, with indices of 64 bits
-rm -f .venv/lib/lib{omptarget,ur_,mkl_scalapack,mkl_blacs,mkl_cdft}* .venv/lib/libmkl_intel_ilp64* .venv/lib/*.dbg
+# 0.9 GB that nothing here loads: Intel's libraries for graphics cards, for clusters, with indices of 64 bits, functions
+# of vectors and other threads; VTK's for graphics cards; tests of packages, names of inner functions, and uv
+packages_in=$(echo .venv/lib/python3*/site-packages)
+rm -rf .venv/lib/lib{omptarget,ur_,mkl_scalapack,mkl_blacs,mkl_cdft,mkl_intel_ilp64,mkl_vml,mkl_sequential}* .venv/lib/*.dbg
+rm -rf .venv/lib/lib{mkl_tbb,tbb,tcm,umf,hwloc}* "$packages_in"/vtkmodules/{libviskores,libvtkAcc,vtkAcc,libvtkTest,vtkTest}*
+rm -rf "$packages_in"/{numpy,scipy,pandas,numba,matplotlib,distributed,dask}/{,*/,*/*/}tests .venv/share/doc
+.venv/bin/python -m pip uninstall --quiet --yes uv
+if command -v strip >/dev/null; then
+    strip --strip-unneeded "$packages_in"/vtkmodules/*.so "$packages_in"/llvmlite/binding/*.so
+fi
 
 for part in gmsh pictures; do
     if ! said=$(.venv/bin/python -m pipeline.doctor "$part" 2>&1); then
@@ -95,7 +103,8 @@ done
 echo "compiling the kernels of the solver and of rods, and the packages, which takes a minute"
 {
     # packages may hold templates that are no Python
-    .venv/bin/python -m compileall -qq -x '/tests?/' .venv/lib >/dev/null 2>&1 || true
+    .venv/bin/python -m compileall -qq -x '/(tests?|pip|setuptools|fontTools|graph_objs|validators)/' \
+        .venv/lib geometry fem rod pipeline pneurod >/dev/null 2>&1 || true
     .venv/bin/python -m pipeline.doctor rods >/dev/null
 } & beside=$!
 .venv/bin/python -m pipeline.doctor threads >/dev/null

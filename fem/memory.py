@@ -11,6 +11,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 
+#: objects that are made before Python looks for unused cycles among them; at its default of 700 this is a fifth of the
+#: time in which libraries are loaded
+CYCLES_AFTER = 10_000
 #: parameters of glibc's mallopt (malloc.h): free memory at the end of the heap above which it is given back, and size
 #: from which an array has pages of its own, which are given back when it is freed
 TRIM_THRESHOLD, MMAP_THRESHOLD = -1, -3

@@ -18,7 +18,6 @@ import fem
 import geometry
 import rod
 from pipeline.store.provenance import installed, required
-from pipeline.values.table import Table
 
 #: seconds after which a check is given up: kernels compile in a minute, and in five on a busy machine
 PATIENCE_S = 600
@@ -32,16 +31,6 @@ class Finding:
     sound: bool
     result: str
     mends: str = ""  #: the command that mends it; empty where it is sound
-
-
-def findings_table(findings: Sequence[Finding]) -> Table:
-    """One row per check, with colours for the terminal."""
-    return Table.of(
-        findings,
-        ("", lambda finding: "[green]ok[/]" if finding.sound else "[red]no[/]"),
-        ("checked", lambda finding: finding.subject),
-        ("result", lambda finding: finding.result),
-    )
 
 
 def examine() -> list[Finding]:

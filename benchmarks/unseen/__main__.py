@@ -26,7 +26,7 @@ from benchmarks.unseen.table import summary
 from benchmarks.unseen.work import LIMIT, Record, Work, outcomes_of
 from pipeline.config.config import LAW_CHOICES
 from pipeline.config.load import load_config
-from pipeline.store.worker import available_cores
+from pipeline.store.cores import available_cores
 from pipeline.values.errors import InputError
 
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from geometry.errors import Reason
 from pipeline.api.described import Body
+from pipeline.store.cores import available_cores
 from pipeline.store.progress import Progress
-from pipeline.store.worker import available_cores
 from pipeline.values.errors import InputError, RunFailed, argument
 from pipeline.values.json_values import Written
 from pipeline.values.reasons import render

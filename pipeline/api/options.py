@@ -129,7 +129,7 @@ Align = Annotated[bool, typer.Option("--align", help="Move the rows so that thos
 
 
 def out_option(suffix: str = "") -> Any:
-    """The option --out of a result folder; defaults stand in round brackets, because the terminal drops square ones."""
+    """The option --out of a result folder."""
     return typer.Option("--out", metavar="DIR", help=f"Result folder (default: results/NAME{suffix}).")
 
 

@@ -1,15 +1,18 @@
 """Before the first run: a configuration to start from, and the installation."""
 
 from pathlib import Path
-from typing import Annotated
+from types import ModuleType
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from pipeline.api.course import given_choice, given_path
-from pipeline.doctor import Finding, examine, remedy
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.result_folder import open_file
 from pipeline.values.errors import InputError, RunFailed, argument
+
+if TYPE_CHECKING:
+    from pipeline.doctor import Finding
 
 __all__ = ["doctor", "init"]
 
@@ -35,15 +38,21 @@ def init(
     return file
 
 
-def doctor() -> tuple[Finding, ...]:
+def checks() -> ModuleType:
+    """The checks of the installation: only who asks for them waits for their libraries."""
+    import pipeline.doctor as checks
+
+    return checks
+
+
+def doctor() -> "tuple[Finding, ...]":
     """Check what is installed, what is missing, and the one command that installs it. Nothing is installed or changed.
     It compares the version of every package with the one that is required, meshes one chamber, draws a picture, solves
     two equations, starts the threads and writes a file that it removes again.
 
     Raises `pneurod.RunFailed` where something is missing.
     """
-
-    findings = tuple(examine())
-    if command := remedy(findings):
+    findings = tuple(checks().examine())
+    if command := checks().remedy(findings):
         raise RunFailed(f"something is missing; to mend it: {command}").with_reached(findings)
     return findings

@@ -21,8 +21,8 @@ from pipeline.api.course import (
     reached,
 )
 from pipeline.api.options import ConfigFile, Draft, Fresh, Out, Settings, jobs_option, out_option
+from pipeline.store.cores import available_cores
 from pipeline.store.progress import Progress, Silent
-from pipeline.store.worker import available_cores
 from pipeline.values.errors import InputError, RunFailed, argument
 
 __all__ = ["accuracy", "design", "effects", "sweep"]

@@ -22,19 +22,18 @@ from typer.core import TyperCommand
 from typer.models import ParameterInfo
 
 import pipeline.cli.shown as shown
+from fem.memory import CYCLES_AFTER
 from pipeline.api import measured, rods, runs, setup, studies
 from pipeline.api.course import document_of
 from pipeline.api.options import COMMANDS
 from pipeline.cli.ending import print_lines, with_sentences
-from pipeline.doctor import Finding
 from pipeline.show.progress import progress_for
 from pipeline.store.progress import Progress, Silent
-from pipeline.store.provenance import installed
-from pipeline.store.worker import CYCLES_AFTER
 from pipeline.values.errors import RunFailed, on_command_line
 
 if TYPE_CHECKING:
     from pipeline.api.results import Results
+    from pipeline.doctor import Finding
     from pipeline.study.pairs.run import PairRuns
 
 app = typer.Typer(
@@ -42,6 +41,8 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # colours and frames take longer than all the rest of the help
+    context_settings={"max_content_width": 120},
 )
 
 
@@ -90,7 +91,10 @@ def add(
     command.__signature__ = inspect.Signature([*own.values(), *beside])  # type: ignore[attr-defined]
     command.__annotations__ = {}
     text = inspect.getdoc(function) or ""
-    app.command(name or function.__name__, cls=cls, help=text.partition("\n\n")[0])(with_sentences(command))
+    told = text.partition("\n\n")[0]
+    app.command(name or function.__name__, cls=cls, help=told, short_help=told.replace("\n", " ").partition(". ")[0])(
+        with_sentences(command)
+    )
 
 
 def _show(value: Any, show: Callable[..., None], written: Mapping[str, object]) -> None:
@@ -127,7 +131,7 @@ def run(config: Path, **given: Any) -> "Results | PairRuns":
 
 
 @wraps(setup.doctor)
-def doctor() -> tuple[Finding, ...]:
+def doctor() -> "tuple[Finding, ...]":
     print_lines(
         "Checked are the versions of Python and of all packages, a mesh, a picture, the solver of linear "
         "equations, threads and the disk. Nothing is installed or changed; this takes about ten seconds."
@@ -137,7 +141,7 @@ def doctor() -> tuple[Finding, ...]:
 
 def _print_version(requested: bool) -> None:
     if requested:
-        print_lines(f"pneurod {installed('pneurod')}")
+        print_lines(f"pneurod {setup.checks().installed('pneurod')}")
         raise typer.Exit
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeline.cli.ending import print_json, print_lines, print_sentences
-from pipeline.doctor import Finding, findings_table
 from pipeline.results.options import write_new
+from pipeline.values.table import Table
 
 if TYPE_CHECKING:
     from pipeline.answers.material.study import Material
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from pipeline.answers.measured.compare import Comparison
     from pipeline.answers.rods.budget import Budget
     from pipeline.api.rods import Solutions
+    from pipeline.doctor import Finding
 
 
 def show_solutions(found: "Solutions", as_json: bool = False) -> None:
@@ -69,8 +70,13 @@ def show_file(file: Path) -> None:
     print_lines(f"written: {file}; change it and check the body with `pneurod mesh {file}`")
 
 
-def show_findings(findings: Sequence[Finding]) -> None:
-    """Print each finding."""
-    print_lines(findings_table(findings))
+def show_findings(findings: "Sequence[Finding]") -> None:
+    """Print each finding, in colours on a terminal."""
+    columns = (
+        ("", lambda finding: "[green]ok[/]" if finding.sound else "[red]no[/]"),
+        ("checked", lambda finding: finding.subject),
+        ("result", lambda finding: finding.result),
+    )
+    print_lines(Table.of(findings, *columns))
     if all(finding.sound for finding in findings):
         print_lines("everything pneurod needs is here")

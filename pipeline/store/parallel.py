@@ -12,9 +12,10 @@ from dataclasses import dataclass, field
 from functools import cache, partial
 from typing import Any, Concatenate, Generic, ParamSpec, TypeVar, final
 
+from pipeline.store.cores import available_cores
 from pipeline.store.processes import LOST, Processes
 from pipeline.store.progress import PassedOn, Progress
-from pipeline.store.worker import available_cores, tell
+from pipeline.store.worker import tell
 from pipeline.values.errors import WorkerLost
 
 P = ParamSpec("P")

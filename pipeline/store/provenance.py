@@ -4,8 +4,8 @@ import os
 import platform
 import subprocess
 from functools import cache
+from importlib import metadata
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 from packaging.requirements import Requirement
@@ -15,7 +15,7 @@ from packaging.specifiers import SpecifierSet
 def required(extra: str = "solve") -> dict[str, SpecifierSet]:
     """The direct dependencies of pneurod on this machine, each with the versions it may have; with no extra, those of
     rods alone."""
-    requirements = [Requirement(text) for text in _metadata().requires("pneurod") or ()]
+    requirements = [Requirement(text) for text in metadata.requires("pneurod") or ()]
     return {
         needed.name: needed.specifier
         for needed in requirements
@@ -26,7 +26,7 @@ def required(extra: str = "solve") -> dict[str, SpecifierSet]:
 def provenance() -> dict[str, Any]:
     """The part of run.json that does not depend on the design."""
     return {
-        "pneurod": _metadata().version("pneurod"),
+        "pneurod": metadata.version("pneurod"),
         "commit": _commit(),
         "python": platform.python_version(),
         "packages": {name: installed(name) for name in required()},
@@ -43,16 +43,9 @@ def provenance() -> dict[str, Any]:
 def installed(name: str) -> str | None:
     """The version of a distribution on this machine, or None."""
     try:
-        return _metadata().version(name)
-    except _metadata().PackageNotFoundError:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
         return None
-
-
-def _metadata() -> ModuleType:
-    """Of installed packages; what asks for none does not wait for it."""
-    import importlib.metadata as metadata
-
-    return metadata
 
 
 def _commit() -> str | None:

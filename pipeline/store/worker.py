@@ -17,6 +17,8 @@ from typing import IO, Any
 
 import psutil
 
+from fem.memory import CYCLES_AFTER
+
 THREADS = ("MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "OMP_NUM_THREADS")
 #: What the environment of a worker begins with so that glibc keeps freed memory for the next arrays. Given back to the
 #: system at once, as it is by default, a quarter of the time of a worker would be page faults.
@@ -25,20 +27,12 @@ KEPT_MEMORY = {
     "MALLOC_MMAP_THRESHOLD_": str(1 << 25),
     "MALLOC_ARENA_MAX": "1",
 }
-#: objects that are made before Python looks for unused cycles among them; at its default of 700 this is a fifth of the
-#: time in which libraries are loaded
-CYCLES_AFTER = 10_000
 #: seconds between two looks of a worker at its memory and at its main process
 PAUSE = 0.2
 #: where replies go from this process if it is a worker
 _replies: IO[bytes]
 #: kinds of replies: the result of a task, what it has raised, and what it tells meanwhile
 RESULT, FAILURE, TOLD = "result", "failure", "told"
-
-
-def available_cores() -> int:
-    """The processor cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def send(stream: IO[bytes], content: Any) -> None:
