@@ -59,8 +59,9 @@ def bent_from_straight(piece: BendingPiece, turn: float, straight: PieceState, a
     displacement[:, 1:] @= frame_of(turn).T
     state = piece.system.state_at(displacement, straight.pressure)
     start = replace(piece.rest(), pressure=straight.pressure, state=replace(state, pressure=straight.state.pressure))
-    begin = piece.solve_near(straight.pressure, 0.0, start.state, start)
-    return begin if angle == 0.0 else bent(piece, angle, begin, None, bent_point(piece, begin))
+    if angle == 0.0:
+        return piece.solve_near(straight.pressure, 0.0, start.state, start)
+    return bent(piece, angle, start, None, bent_point(piece, start))
 
 
 @final

@@ -50,19 +50,31 @@ MOST_STATES = 12
 BENT, LEAST_BENT = 0.2, 0.015
 
 
-def inflated(piece: BendingPiece, pressure: float, angle: float, failures: int = MAX_FAILURES) -> PieceState:
+def inflated(
+    piece: BendingPiece,
+    pressure: float,
+    angle: float,
+    failures: int = MAX_FAILURES,
+    begin: PieceState | None = None,
+) -> PieceState:
     """Equilibrium at a pressure in MPa and an angle in rad, from the piece at rest, as `unloaded`.
 
     Raises `PieceFailed`.
     """
-    reached = unloaded(piece, pressure, angle, failures)
+    reached = unloaded(piece, pressure, angle, failures, begin)
     if reached.angle == angle:
         return reached
     turned = piece.solve(pressure, angle, reached)
     return replace(turned, factorizations=reached.factorizations + turned.factorizations)
 
 
-def unloaded(piece: BendingPiece, pressure: float, angle: float, failures: int = MAX_FAILURES) -> PieceState:
+def unloaded(
+    piece: BendingPiece,
+    pressure: float,
+    angle: float,
+    failures: int = MAX_FAILURES,
+    begin: PieceState | None = None,
+) -> PieceState:
     """Equilibrium at a pressure in MPa, from the piece at rest: at an angle in rad, or about without moment.
 
     Pressure and angle change together, at once where that converges: an increment that fails is halved, and one that
@@ -70,7 +82,8 @@ def unloaded(piece: BendingPiece, pressure: float, angle: float, failures: int =
     pressure of the increment and the stress that goes with it to first order, as on a load path
     (`fem.path.predictor`). Where this has failed beyond the first state, it starts on the cubic through the last two
     states with their slopes. failures: how often an increment may fail. Where one fails and the piece swells, or it is
-    wanted after the snap, the pressure is reached along the air, without moment. Raises `PieceFailed`.
+    wanted after the snap, the pressure is reached along the air, without moment. begin: a state on the way, from which
+    the first increment is half of what is left, on the cubic. Raises `PieceFailed`.
     """
     last, way = piece.rest(), (pressure, angle)
     if way == (0.0, 0.0):  # at rest there is nothing to balance but rounding, of a stiff layer too
@@ -80,6 +93,9 @@ def unloaded(piece: BendingPiece, pressure: float, angle: float, failures: int =
     increment, failed, spent = 1.0, 0, 0
     extrapolates = False  #: whether Newton's method starts on the cubic
     points = [_inflation_point(piece, last, 0.0, way)]
+    if begin is not None:
+        last, part, extrapolates = begin, begin.pressure / pressure, True
+        increment, points = 0.5 * (1.0 - part), [*points, _inflation_point(piece, begin, part, way)]
     while (fraction := points[-1].value) < 1.0:
         target = min(1.0, fraction + increment)
         predicted = _inflation_start(points, target, extrapolates)

@@ -65,10 +65,15 @@ class Turns:
             turned[name] = self._turned(getattr(state, name), times)
         return replace(state, **turned)
 
-    def back(self, pressures: Pressures) -> int:
-        """The turns after which the pressures are those of the image that is solved: the largest in their order."""
-        rounded = [self.pressures(np.round(pressures, DIGITS).tolist(), times) for times in range(self.count)]
-        return max(range(self.count), key=lambda times: (rounded[times], -times))
+    def back(self, pressures: Pressures, curvature: Curvatures = (0.0, 0.0)) -> int:
+        """The turns after which the pressures are those of the image that is solved: the largest in their order, and of
+        equal ones that with the largest curvature about y."""
+
+        def order(times: int) -> tuple[float, ...]:
+            turned = *self.pressures(pressures, times), *self.across(curvature, times)
+            return *np.round(turned, DIGITS).tolist(), -times
+
+        return max(range(self.count), key=order)
 
     def _turned(self, vector: Sequence[float], times: int) -> tuple[float, ...]:
         """A vector along y and z, or along x, y and z."""
@@ -100,7 +105,7 @@ class Images:
 
     def submit(self, task: Callable[..., State], pressures: Pressures, *curvature: Curvatures) -> Pending[State]:
         """A task of `pipeline.law.in_space.states`, or the image of one that was begun."""
-        times = self.turns.back(pressures)
+        times = self.turns.back(pressures, *curvature)
         solved = self.turns.pressures(pressures, times), *(self.turns.across(one, times) for one in curvature)
         key = task, *(tuple(np.round(numbers, DIGITS).tolist()) for numbers in solved)
         if key not in self._begun:

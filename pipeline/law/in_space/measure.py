@@ -46,8 +46,8 @@ MIXED = (0.6, 1.0)
 BETWEEN = (0.65, 0.25)
 #: rad, by which each ring is turned against the one before
 TURN = 2.4
-#: change of the curvature for the clamped end, over the reach
-BENT = 0.25
+#: the ring at rest and for the clamped end, and change of the curvature there, over the reach
+THREE, BENT = ((1.0, 3),), 0.25
 #: size of a mesh on which the state without moment is compared, over that of the law
 FINER = 0.7
 #: steps of the axis through an end
@@ -79,7 +79,8 @@ def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunC
     parts, rings = (ONE_RATIO, RINGS) if count == 1 else (RATIOS, FEW)
     highest = [max(rows, key=lambda row: max(map(abs, row)))] if count == 1 else list(rows)
     between, images = [] if count == 1 else _between(rows), Images.of(tasks)
-    context.progress.expect(_steps(images.distinct(highest), images.distinct(between), parts, rings))
+    around_rest = 1 if images.turns.count == 3 else 3  # of a ring that turns bring to itself one state is solved
+    context.progress.expect(_steps(images.distinct(highest), images.distinct(between), parts, rings, around_rest))
     context.progress.stage("states without moment")
     middles = _followed(images, highest, parts)
     length = pieces.design.length
@@ -95,7 +96,7 @@ def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunC
         for one in images.around(pressures, _ring(_without_moment(around[pressures]), reach, n, rings))
     ]
     rest = tuple(0.0 for _ in pieces.design.cavities)
-    wanted += [(rest, k) for k in ((0.0, 0.0), *_ring((0.0, 0.0), reach, 0, ((1.0, 3),)))]
+    wanted += [(rest, k) for k in ((0.0, 0.0), *_ring((0.0, 0.0), reach, 0, THREE))]
     begun = [images.submit(cell_state, *one) for one in wanted]
     found, left = _results(begun)
     states = [state for row in (*middles, *mixed) for state in row] + found
@@ -108,13 +109,18 @@ def measure_in_space(pieces: ArmPieces, rows: Sequence[Pressures], context: RunC
 
 
 def _steps(
-    rows: Sequence[Pressures], between: Sequence[Pressures], parts: Sequence[float], rings: Sequence[tuple[float, int]]
+    rows: Sequence[Pressures],
+    between: Sequence[Pressures],
+    parts: Sequence[float],
+    rings: Sequence[tuple[float, int]],
+    around_rest: int,
 ) -> dict[str, list[float]]:
     """Effort of the states that are solved, over that of a cell, by what they are called; a few more may follow."""
     places = 1 + len(rows) * len(parts[-2:])
-    bent = len(rows) * (len(parts) + 1 + len(parts) * sum(number for _, number in rings)) + 4
+    bent = len(rows) * (len(parts) + 1 + len(parts) * sum(number for _, number in rings)) + 1 + around_rest
     cells = bent + len(between) * (len(MIXED) + 1) + len(rows) - 1 + 2
-    ends = {"twist and shear": [2.0] * places, "clamped end": [END] * 3 * places, "tip": [END] * places}
+    clamped = 3 * (places - 1) + around_rest
+    ends = {"twist and shear": [2.0] * places, "clamped end": [END] * clamped, "tip": [END] * places}
     return {"cell": [1.0] * cells, **ends}
 
 
@@ -232,10 +238,8 @@ def _clamp(images: Images, law: SpaceLaw, places: Sequence[Pressures]) -> tuple[
     """Turn, shift and air of the clamped end, linear in the moments, the length (mm) of its piece, and what failed."""
     begun = []
     for pressures in images.distinct(places):
-        k_y, k_z = law.at(pressures).kappa_0
-        step = BENT * law.reach
-        bent = [(k_y + step, k_z), (k_y, k_z + step), (k_y - step, k_z - step)]
-        wanted = images.around(pressures, [(float(a), float(b)) for a, b in bent])
+        k_y, k_z = law.at(pressures).kappa_0 if any(pressures) else (0.0, 0.0)
+        wanted = images.around(pressures, _ring((float(k_y), float(k_z)), BENT * law.reach, 0, THREE))
         begun += [images.submit(clamped_state, *one) for one in wanted]
     found, left = _results(begun)
     if len(found) < 3:

@@ -28,6 +28,8 @@ from rod.same_pressure import Pressures
 
 #: how far an end reaches into the cells, over the largest side of a section
 INTO = 0.6
+#: part of the largest pressure from which on a straight piece is inflated from its state at half of the pressure
+FAR = 0.65
 #: what each kind of states is called where they are told
 TOLD = {"cell": "cell", "across": "twist and shear", "clamp": "clamped end", "tip": "tip"}
 Curvatures = tuple[float, float]  #: about y and z, 1/mm
@@ -184,7 +186,8 @@ def _inflated(
     pieces, largest = curves.pieces, max(map(abs, pressures))
     fractions = tuple(pressure / largest if largest else 1.0 for pressure in pressures)
     own = start, _half_cells(pieces, start), fractions
-    straight = pieces.straight(*own, in_MPa(largest))
+    from_half = largest > FAR * max(pieces.config.pressures_kPa)
+    straight = pieces.straight(*own, in_MPa(largest), from_half)
     piece = pieces.turned(*own, angle)
     bend = curvature * piece.body.length
     with suppress(PieceFailed):

@@ -151,14 +151,19 @@ class ArmPieces:
             self._turned[key] = self._made(start, half_cells, by_cavity, angle)
         return self._turned[key]
 
-    def straight(self, start: Boundary, half_cells: int, fractions: Sequence[float], pressure: float) -> PieceState:
+    def straight(
+        self, start: Boundary, half_cells: int, fractions: Sequence[float], pressure: float, from_half: bool = False
+    ) -> PieceState:
         """A piece that is not turned under a pressure in MPa, with its plane upright; each is solved once.
 
-        fractions: as in `turned`. Raises `PieceFailed`, `NoArmLaw` and InputError.
+        fractions: as in `turned`; from_half: whether it is inflated from the state at half of the pressure. Raises
+        `PieceFailed`, `NoArmLaw` and InputError.
         """
         key = start, tuple(fractions), pressure
         if key not in self._straight:
-            self._straight[key] = inflated(self.turned(start, half_cells, fractions, 0.0), pressure, 0.0)
+            begin = self.straight(start, half_cells, fractions, 0.5 * pressure) if from_half else None
+            piece = self.turned(start, half_cells, fractions, 0.0)
+            self._straight[key] = inflated(piece, pressure, 0.0, begin=begin)
         return self._straight[key]
 
     def _piece(self, half_cells: int, start: Boundary) -> BendingPiece:

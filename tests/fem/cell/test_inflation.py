@@ -120,6 +120,16 @@ def test_states_by_volume_and_by_pressure_are_the_same(soft_cell: BendingPiece, 
             assert other.moment == pytest.approx(point.state.moment, abs=1e-4)
 
 
+def test_a_pressure_is_reached_from_half_of_it(soft_cell: BendingPiece, soft_path: list[FreePoint]) -> None:
+    """And along the air where increments from there fail."""
+    pressure = 0.98 * max(point.pressure for point in soft_path)
+    half = inflated(soft_cell, 0.5 * pressure, 0.0)
+    further, from_rest = inflated(soft_cell, pressure, 0.0, begin=half), inflated(soft_cell, pressure, 0.0)
+    assert further.moment == pytest.approx(from_rest.moment, rel=1e-5)
+    size = np.abs(from_rest.state.displacement).max()
+    assert further.state.displacement == pytest.approx(from_rest.state.displacement, abs=1e-5 * size)
+
+
 @pytest.mark.usefixtures("solved_tightly")
 @pytest.mark.parametrize("touching", [True, False])
 def test_slopes_by_volume_and_angle_are_those_of_neighbouring_states(touching: bool, soft_cell: BendingPiece) -> None:

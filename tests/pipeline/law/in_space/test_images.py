@@ -139,3 +139,7 @@ def test_of_images_one_is_solved(turns: Turns) -> None:
         assert state.volume == pytest.approx(pressures)
     assert tasks.submit.call_count == 2
     assert images.distinct([pressures for pressures, _ in wanted]) == [PRESSURES]
+    for times in range(3):  # under equal pressures the arm is the same after a turn
+        curvature = turns.across(CURVATURE, times)
+        assert images.submit(task, (8.0, 8.0, 8.0), curvature).result().curvature == pytest.approx(curvature)
+    assert tasks.submit.call_count == 3
