@@ -11,10 +11,10 @@ displacement z by a unit force on it, as -z . D: two more right-hand sides at ea
 is solved for a parameter. With mixed elements the residuals of the pressures and their changes belong to D and z.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import final
+from typing import Any, TypeVar, final
 
 import numpy as np
 
@@ -33,6 +33,8 @@ from fem.materials.regions import Solid, laws_of
 from fem.post.extremes import extremes_of
 from geometry.arrays import Array
 
+Value = TypeVar("Value")
+
 #: largest displacement of a node in difference quotients, over the length of the piece
 STEP = 1e-5
 
@@ -46,7 +48,7 @@ class Variant:
     formulation: Formulation
     stiffness: float  #: of contact, over that of the piece: both follow the shear modulus
     layer: Membrane | None = None  #: in place of that of the same name
-    _walls: dict[int, tuple[FacingPairs, FacingPairs]] = field(default_factory=dict, repr=False)
+    _kept: dict[int, tuple[Any, Any]] = field(default_factory=dict, repr=False)
 
     @staticmethod
     def of(piece: BendingPiece, shift: Array | None, material: Solid | None) -> "Variant":
@@ -60,9 +62,14 @@ class Variant:
         """The facing pairs of walls with their areas in this piece; before: (n, 3) its nodes in the piece itself."""
         if self.space.points is before:
             return known
-        if id(known) not in self._walls:
-            self._walls[id(known)] = known, _with_areas(known, self.space, before)
-        return self._walls[id(known)][1]
+        return self.once(known, lambda: _with_areas(known, self.space, before))
+
+    def once(self, known: object, make: Callable[[], Value]) -> Value:
+        """What is made here of a part of the piece, which all states share."""
+        if id(known) not in self._kept:
+            self._kept[id(known)] = known, make()
+        made: Value = self._kept[id(known)][1]
+        return made
 
 
 @final
@@ -94,7 +101,7 @@ class DesignChange:
     def of_layer(piece: BendingPiece, less: Membrane, more: Membrane, step: float) -> "DesignChange":
         """A layer on the same faces with a constant smaller and larger by half a step."""
         same = Variant.of(piece, None, None)
-        first, second = (replace(same, layer=layer) for layer in (less, more))
+        first, second = (replace(same, layer=layer, _kept={}) for layer in (less, more))
         return DesignChange(first, second, step, np.zeros_like(piece.space.points), 0.0)
 
     def limit_rate(self, piece: BendingPiece, at: PieceState, along: State) -> float:
@@ -204,7 +211,8 @@ def moved_term(term: Term, before: Array, variant: Variant) -> Term:
         return replace(term, pairs=variant.pairs(term.pairs, before), stiffness=variant.stiffness * term.stiffness)
     if isinstance(term, LayerTerm | MirroredLayerTerm) and (variant.layer or after is not before):
         layer = variant.layer if variant.layer and variant.layer.name == term.effect else term.sheet
-        return term.changed(layer, after)
+        of_rest = term.arrays if isinstance(term, LayerTerm) else term.matrix
+        return variant.once(of_rest, lambda: term.changed(layer, after))
     return term
 
 
