@@ -1,13 +1,12 @@
 """Questions to the rod of a result folder."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from geometry.told import Printable
 from pipeline.api.course import given_choice, given_path, given_progress
 from pipeline.api.options import (
     Amount,
@@ -30,27 +29,11 @@ from pipeline.store.progress import Progress
 __all__ = ["budget", "export", "move", "shape", "solve"]
 
 if TYPE_CHECKING:
-    import rod as rods
     from pipeline.answers.rods.budget import Budget
+    from pipeline.answers.rods.end_loads import RodShape
     from pipeline.answers.rods.export import Exported
     from pipeline.answers.rods.motion import ArmMotion
-    from pipeline.answers.rods.pressures import PressureFor
-
-
-@dataclass(frozen=True)
-class RodShape(Printable):
-    """A rod and its shape under loads."""
-
-    rod: "rods.Rod"
-    shape: "rods.RodSolution | rods.SpatialSolution"
-    errors: str  #: of the rod against finite elements; empty where they are not known
-
-    @property
-    def lines(self) -> list[str]:
-        """Position, angle and force of the end, and the moment at the clamp."""
-        from pipeline.answers.rods import end_loads
-
-        return end_loads.end_lines(self.rod, self.shape, self.errors)
+    from pipeline.answers.rods.pressures import Solutions
 
 
 @command("rod")
@@ -81,7 +64,7 @@ def shape(
         bool, typer.Option("--after-snap", help="The swollen form, where the arm has two at this pressure.")
     ] = False,
     out: Annotated[Path | str | None, typer.Option("--out", metavar="FILE", help="Write the shape as CSV.")] = None,
-) -> RodShape:
+) -> "RodShape":
     """Solve the rod alone, in milliseconds: its shape under loads.
 
     Raises `pneurod.InputError` for a wrong argument, and `pneurod.RunFailed` where the rod has no equilibrium.
@@ -96,7 +79,7 @@ def shape(
     found = end_loads.shape_under(selected, replace(loading, along=along))
     if out is not None:
         end_loads.write_shape(found, given_path(out, "out", "shape.csv"))
-    return RodShape(selected, found, chosen.error_text)
+    return end_loads.RodShape(selected, found, chosen.error_text)
 
 
 @command("move")
@@ -145,19 +128,6 @@ def move(
     return motion.move_arm(run, rods, asked, target, given_progress(progress).remark)
 
 
-@dataclass(frozen=True)
-class Solutions(Printable):
-    """The pressures at which the end of an arm is as it is wanted."""
-
-    solutions: "tuple[PressureFor, ...]"
-    notes: tuple[str, ...]  #: what limits the trust in the rod, a sentence each
-
-    @property
-    def lines(self) -> list[str]:
-        """Each pressure with the end of the arm there, and the notes."""
-        return [*(at.text for at in self.solutions), *self.notes]
-
-
 def solve(
     path: Annotated[Given, typer.Argument(metavar="DIR", help="Results of a run; or a law.json alone.")],
     *,
@@ -173,7 +143,7 @@ def solve(
         Path | str | None,
         typer.Option("--picture", metavar="FILE", help="Page with the tips it reaches, up to --tip-mass."),
     ] = None,
-) -> Solutions:
+) -> "Solutions":
     """Find the pressure for a place of the end, an angle, or a force.
 
     Raises `pneurod.InputError` for a wrong argument and for what is out of reach, with the nearest that is not.
@@ -186,7 +156,7 @@ def solve(
     found = pressures.pressures_for(chosen, wish)
     if picture is not None:
         write_new(given_path(picture, "picture", "tips.html"), pressures.tips_page(chosen, wish, found))
-    return Solutions(found, chosen.notes)
+    return pressures.Solutions(found, chosen.notes)
 
 
 def budget(

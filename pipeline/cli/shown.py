@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pipeline.answers.measured.calibrate import CalibrationReport
     from pipeline.answers.measured.compare import Comparison
     from pipeline.answers.rods.budget import Budget
-    from pipeline.api.rods import Solutions
+    from pipeline.answers.rods.pressures import Solutions
     from pipeline.doctor import Finding
 
 

@@ -4,12 +4,13 @@ import math
 import warnings
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from geometry.told import aligned, listed
+from geometry.told import Printable, aligned, listed
 from pipeline.answers.rods.rods import Rods
 from pipeline.config import units
 from pipeline.results.options import is_list, option_pressures, option_value, option_vector, write_new
@@ -149,17 +150,23 @@ def rod_at(rods: Rods, pressure: Any) -> Rod:
     return ask(argument("pressure", pressure), rods.at, option_pressures("pressure", pressure))
 
 
-def end_lines(rod: Rod, shape: RodSolution | SpatialSolution, errors: str = "") -> list[str]:
-    """Which rod it is, position, angle and force of its end, and the moment at the clamp, one line each; then notes.
+@dataclass(frozen=True)
+class RodShape(Printable):
+    """A rod and its shape under loads."""
 
-    errors: of the rod against finite elements, where known.
-    """
-    kind = f"{ARM_LAW}: the arm's own law" if rod.has_own_law else f"{FIVE}: five parameters, inextensible"
-    lines = {"rod": kind, **({"errors": errors} if errors else {})}
-    lines |= shape.told
-    at_end = float(shape.s[-1])
-    lines |= {f"reaction at {one.s:g} mm": _reaction(one) for one in shape.reactions if one.s < at_end or one.couple}
-    return [*aligned(lines), *shape.notes]
+    rod: Rod
+    shape: RodSolution | SpatialSolution
+    errors: str  #: of the rod against finite elements; empty where they are not known
+
+    @property
+    def lines(self) -> list[str]:
+        """Which rod it is, position, angle and force of its end, and the moment at the clamp; then notes."""
+        kind = f"{ARM_LAW}: the arm's own law" if self.rod.has_own_law else f"{FIVE}: five parameters, inextensible"
+        lines = {"rod": kind, **({"errors": self.errors} if self.errors else {}), **self.shape.told}
+        at_end = float(self.shape.s[-1])
+        supports = (one for one in self.shape.reactions if one.s < at_end or one.couple)
+        lines |= {f"reaction at {one.s:g} mm": _reaction(one) for one in supports}
+        return [*aligned(lines), *self.shape.notes]
 
 
 def _reaction(one: Reaction) -> str:

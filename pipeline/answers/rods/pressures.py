@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.told import Printable
 from pipeline.answers.rods.end_loads import solved
 from pipeline.answers.rods.rods import Rods
 from pipeline.config import units
@@ -78,6 +79,19 @@ class PressureFor:
         end = f"tip at ({_listed(self.tip_mm, '.2f')}) mm{away}, bends by {self.angle_deg:.2f}°"
         force = f", force on the end [{_listed(self.force_N, '.4g')}] N" if any(self.force_N) else ""
         return f"{self.pressure_kPa:.4f}{error} kPa{several}: {end}{force}{f'. {self.note}' if self.note else ''}"
+
+
+@dataclass(frozen=True)
+class Solutions(Printable):
+    """The pressures at which the end of an arm is as it is wanted."""
+
+    solutions: tuple[PressureFor, ...]
+    notes: tuple[str, ...]  #: what limits the trust in the rod, a sentence each
+
+    @property
+    def lines(self) -> list[str]:
+        """Each pressure with the end of the arm there, and the notes."""
+        return [*(at.text for at in self.solutions), *self.notes]
 
 
 def _listed(values: Sequence[float], form: str) -> str:
