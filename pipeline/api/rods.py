@@ -29,11 +29,10 @@ from pipeline.store.progress import Progress
 __all__ = ["budget", "export", "move", "shape", "solve"]
 
 if TYPE_CHECKING:
+    from pipeline.answers.rods import end_loads, pressures
     from pipeline.answers.rods.budget import Budget
-    from pipeline.answers.rods.end_loads import RodShape
     from pipeline.answers.rods.export import Exported
     from pipeline.answers.rods.motion import ArmMotion
-    from pipeline.answers.rods.pressures import Solutions
 
 
 @command("rod")
@@ -64,7 +63,7 @@ def shape(
         bool, typer.Option("--after-snap", help="The swollen form, where the arm has two at this pressure.")
     ] = False,
     out: Annotated[Path | str | None, typer.Option("--out", metavar="FILE", help="Write the shape as CSV.")] = None,
-) -> "RodShape":
+) -> "end_loads.RodShape":
     """Solve the rod alone, in milliseconds: its shape under loads.
 
     Raises `pneurod.InputError` for a wrong argument, and `pneurod.RunFailed` where the rod has no equilibrium.
@@ -143,7 +142,7 @@ def solve(
         Path | str | None,
         typer.Option("--picture", metavar="FILE", help="Page with the tips it reaches, up to --tip-mass."),
     ] = None,
-) -> "Solutions":
+) -> "pressures.Solutions":
     """Find the pressure for a place of the end, an angle, or a force.
 
     Raises `pneurod.InputError` for a wrong argument and for what is out of reach, with the nearest that is not.

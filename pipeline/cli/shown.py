@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from pipeline.answers.material.study import Material
     from pipeline.answers.measured.calibrate import CalibrationReport
     from pipeline.answers.measured.compare import Comparison
+    from pipeline.answers.rods import pressures
     from pipeline.answers.rods.budget import Budget
-    from pipeline.answers.rods.pressures import Solutions
     from pipeline.doctor import Finding
 
 
-def show_solutions(found: "Solutions", as_json: bool = False) -> None:
+def show_solutions(found: "pressures.Solutions", as_json: bool = False) -> None:
     """Print the pressures that were found."""
     if as_json:
         print_json({"solutions": [asdict(at) for at in found.solutions]})
