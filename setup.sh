@@ -89,7 +89,10 @@ rm -rf .venv/lib/lib{mkl_tbb,tbb,tcm,umf,hwloc}* "$packages_in"/vtkmodules/{libv
 rm -rf "$packages_in"/{numpy,scipy,pandas,numba,matplotlib,distributed,dask}/{,*/,*/*/}tests .venv/share/doc
 .venv/bin/python -m pip uninstall --quiet --yes uv
 if command -v strip >/dev/null; then
-    strip --strip-unneeded "$packages_in"/vtkmodules/*.so "$packages_in"/llvmlite/binding/*.so
+    for library in "$packages_in"/vtkmodules/*.so "$packages_in"/llvmlite/binding/*.so; do
+        # into a new file: the cache of uv and other environments have links to this one, which programs may be using
+        strip --strip-unneeded -o "$library.new" "$library" && mv "$library.new" "$library" || rm -f "$library.new"
+    done
 fi
 
 for part in gmsh pictures; do
