@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pipeline import stages
 from pipeline.config.config import Config
-from pipeline.identify.identified import Identified
+from pipeline.identify.parameters import Identified
 from pipeline.identify.validate import Validated
 from pipeline.results.files import replace_draft
 from pipeline.show.pictures import draw_all

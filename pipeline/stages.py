@@ -11,12 +11,9 @@ from geometry import Reason, Values
 from pipeline.answers.rods.budget import make_budgets
 from pipeline.answers.rods.in_time import with_remark
 from pipeline.config.config import Config
-from pipeline.identify.arm_rods import ArmRods
-from pipeline.identify.compare import Comparison, compare, curves_of
-from pipeline.identify.identified import Identified, identify_run
-from pipeline.identify.mesh_error import with_mesh_error
-from pipeline.identify.parameters import Parameters
-from pipeline.identify.predicted import predictions, with_mesh_error_of_laws
+from pipeline.identify.compare import ArmRods, Comparison, compare, curves_of
+from pipeline.identify.mesh_error import predictions, with_mesh_error, with_mesh_error_of_laws
+from pipeline.identify.parameters import Identified, Parameters, identify_run
 from pipeline.identify.record import parameters_record
 from pipeline.identify.state_notes import Solved, check_states
 from pipeline.identify.validate import Validated, find_loads_beyond_II, keep_reached_loads

@@ -7,13 +7,20 @@ plane admits two kinds of them:
 - bent: the plane stays one. It tilts about its direction e2 in the plane of bending, and all moves freely within it.
 - twisted: the plane turns about its normal n and moves along z. All moves freely along the normal, so that it warps.
 
-Walls in contact with their mirror images press on a plane that stays one. Beside a plane that warps they slide
-(`fem.cell.sliding_walls`).
+Walls in contact with their mirror images press on a plane that stays one. Beside a plane of the normal n that warps
+they slide: a wall and its image then have the same displacement u along n, and opposite ones within the plane, v - r
+and r - v, with r the motion of the plane within itself. A gap does not change to first order. Where the walls tilt, its
+second-order change is 2 grad u . (v - r), against which the contact force F of the wall does the work
+
+    Pi = -sum F grad u . (v - r)        (of one half cell),
+
+so that forces turn with the walls on which they act.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import combinations_with_replacement
 from typing import final
 
 import numpy as np
@@ -22,15 +29,73 @@ from fem.cell.mirror_contact import is_with_images
 from fem.cell.piece import BendingPiece, PieceState
 from fem.cell.response import force_change
 from fem.cell.rim import rim_forces
-from fem.cell.sliding_walls import SlidingWalls
+from fem.discretisation import Discretisation
 from fem.effects.barrier import FacingTerm
-from fem.effects.effect import Terms
+from fem.effects.effect import Blocks, Term, Terms
 from fem.effects.membrane import LayerTerm
 from fem.effects.mirror_layer import MirroredLayerTerm
 from fem.equations.constraints import Constraints
 from fem.equations.system import System
 from fem.supports import Fixed, FixedAlong, Support
 from geometry.arrays import Array, Index
+
+#: pairs a <= b of the nodes of a triangle of the wall and of one in the plane
+PAIRS = tuple(combinations_with_replacement(range(6), 2))
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class SlidingWalls(Term):
+    """The quadratic potential above, of displacements from given positions."""
+
+    effect = "self_contact"
+
+    at: Array  #: (n, 3) positions of the planar state, mm
+    nodes: Index  #: (m, 6) of each triangle of the walls, and of one in the plane
+    matrices: Array = field(repr=False)  #: (m, 6, 6, 3, 3) second derivatives, N/mm
+
+    @staticmethod
+    def of(term: FacingTerm, space: Discretisation, x: Array, normal: Array) -> "SlidingWalls":
+        """From the contact of walls with their images at positions x (n, 3); normal: (3,) of the plane."""
+        forces = np.zeros_like(x)
+        term.gradient(x, 1.0, forces)
+        walls, corner = space.triangles_between(term.pairs.nodes), term.pairs.triangles[0]
+        double = np.cross(x[walls[:, 1]] - x[walls[:, 0]], x[walls[:, 2]] - x[walls[:, 0]]) @ normal
+        around = np.bincount(walls.ravel(), np.repeat(np.abs(double), 3), minlength=len(x))  # each node
+        share = (forces @ normal)[walls] * np.abs(double)[:, None] / around[walls]
+        edges = np.stack([x[walls[:, k - 2]] - x[walls[:, k - 1]] for k in (0, 1, 2)], axis=1)
+        slopes = np.zeros((len(walls), 6, 3))
+        slopes[:, :3] = np.cross(normal, edges) / -double[:, None, None]
+        on_plane = np.einsum("mk,mkb->mb", share, _weights(x, walls, corner))
+        weights = np.concatenate([share, -on_plane], axis=1)
+        one = -np.einsum("mc,i,maj->macij", weights, normal, slopes)
+        matrices = one + one.transpose(0, 2, 1, 4, 3)
+        return SlidingWalls(x, np.hstack([walls, np.tile(corner, (len(walls), 1))]), matrices)
+
+    def energy(self, x: Array, factor: float) -> float:
+        moved = (x - self.at)[self.nodes]
+        return 0.5 * float(np.einsum("mai,macij,mcj->", moved, self.matrices, moved))
+
+    def gradient(self, x: Array, factor: float, out: Array) -> None:
+        np.add.at(out, self.nodes, np.einsum("macij,mcj->mai", self.matrices, (x - self.at)[self.nodes]))
+
+    def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
+        rows, columns, values = (np.concatenate(parts) for parts in zip(*self._pairs(), strict=True))
+        return Blocks(rows, columns, np.ascontiguousarray(values))
+
+    def _pairs(self) -> Iterator[tuple[Index, Index, Array]]:
+        for a, b in PAIRS:
+            first, second, values = self.nodes[:, a], self.nodes[:, b], self.matrices[:, a, b]
+            swapped = first > second
+            values = np.where(swapped[:, None, None], values.transpose(0, 2, 1), values)
+            yield np.minimum(first, second), np.maximum(first, second), values
+
+
+def _weights(x: Array, walls: Index, corner: Index) -> Array:
+    """(m, 3, 3) of the nodes of a triangle (3,) in the plane for the points that face the nodes of the walls (m, 3)."""
+    sides = np.stack([x[corner[1]] - x[corner[0]], x[corner[2]] - x[corner[0]]])
+    within = (x[walls] - x[corner[0]]) @ np.linalg.pinv(sides)
+    return np.concatenate([1.0 - within.sum(axis=2, keepdims=True), within], axis=2)
 
 
 @final

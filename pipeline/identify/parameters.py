@@ -13,6 +13,8 @@ from functools import partial
 
 from geometry import Centreline, Design, Reason
 from pipeline.simulate.outcome import Outcomes, Record
+from pipeline.simulate.scene import Scene
+from pipeline.simulate.too_short import too_coarse, too_short
 from pipeline.store.context import RunContext
 from pipeline.store.parallel import TaskContext
 from rod import (
@@ -219,3 +221,29 @@ def _moment_and_closure(free: Centreline, loaded: Centreline, load: Load) -> tup
     # levers of the curve without its stretch, for the rod that takes the numbers has none
     moment = moment_between(without_stretch(free), without_stretch(loaded), load)
     return moment, end_displacement_closure(free, loaded, load)
+
+
+@dataclass(frozen=True)
+class Identified:
+    """The outcomes of a run and the parameters that follow from them."""
+
+    outcomes: Outcomes
+    parameters: tuple[Parameters, ...]  #: by ascending pressure
+    refused: tuple[Reason, ...] = ()  #: why there are no parameters, or none at a pressure
+
+    def failures(self, other_rod: bool) -> tuple[Reason, ...]:
+        """What makes the run fail: a pressure without parameters only where there are no others and no other rod."""
+        return () if self.parameters or other_rod else self.refused
+
+    def remarks(self, other_rod: bool) -> tuple[Reason, ...]:
+        """The other reasons."""
+        return self.refused if self.parameters or other_rod else ()
+
+
+def identify_run(scene: Scene, context: RunContext, outcomes: Outcomes) -> Identified:
+    """The parameters at all pressures."""
+    config = scene.config
+    if reason := too_short(config) or too_coarse(config, scene.body):
+        return Identified(outcomes, (), (reason,))
+    equal, d = counts_as_equal_cells(config.design), config.identification.d_mm
+    return Identified(outcomes, *identify_all(outcomes, scene.body.pitch, d, equal_cells=equal, context=context))

@@ -8,8 +8,7 @@ import numpy as np
 
 from geometry import Reason, Values
 from pipeline.config.config import Config
-from pipeline.identify.arm_rods import ArmRods
-from pipeline.identify.compare import Comparison, compare_rods, curve_of
+from pipeline.identify.compare import ArmRods, Comparison, compare_rods, curve_of
 from pipeline.simulate.loadcase import LoadCase, validation_cases
 from pipeline.simulate.outcome import Outcomes
 from pipeline.simulate.scene import Scene

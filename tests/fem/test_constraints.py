@@ -27,7 +27,7 @@ from fem import (
 )
 from fem.discretisation import Discretisation
 from fem.equations.constraints import Constraints
-from fem.equations.reduction import Reduction
+from fem.equations.storage import Reduction
 from fem.equations.system import System
 from fem.path import newton
 from fem.path.control import LoadControl

@@ -10,7 +10,7 @@ import numpy as np
 import fem
 from fem.cell.axis import circle, end_ripples, length_of
 from fem.cell.design_change import DesignChange, DesignRate, design_rates
-from fem.cell.lateral_change import lateral_rates
+from fem.cell.lateral import lateral_rates
 from fem.cell.piece import BendingPiece
 from fem.equations.linear import SingularMatrix
 from fem.materials import LAWS, Constant

@@ -9,8 +9,7 @@ from fem import Hencky, Hoops, StrainLimitingLayer, StVenantKirchhoff, faces_alo
 from fem.cell.axis import axis_of, length_of
 from fem.cell.design_change import DesignChange, design_rates
 from fem.cell.inflation import inflated
-from fem.cell.lateral import lateral_rigidities
-from fem.cell.lateral_change import lateral_rates
+from fem.cell.lateral import lateral_rates, lateral_rigidities
 from fem.cell.piece import BendingPiece
 from fem.cell.response import slopes
 from fem.effects.membrane import LayerTerm

@@ -6,8 +6,7 @@ import pytest
 from fem import Effect, Model, NewtonOptions, PathOptions, SharedPlane, StrainLimitingLayer, StVenantKirchhoff, follow
 from fem.cell.lateral import LateralRigidities, clamped_compliance, lateral_rigidities
 from fem.cell.piece import BendingPiece
-from fem.cell.sideways import Bent, Place, Twisted
-from fem.cell.sliding_walls import SlidingWalls
+from fem.cell.sideways import Bent, Place, SlidingWalls, Twisted
 from fem.supports import Fixed
 from geometry import Body, Mesh, PneuNet
 from geometry.arrays import Array

@@ -9,8 +9,7 @@ import pytest
 from fem import Seconds
 from geometry import Centreline
 from pipeline.answers.rods.choice import rod_of_path
-from pipeline.identify.arm_rods import Rods
-from pipeline.identify.compare import compare_rods, curve_of
+from pipeline.identify.compare import Rods, compare_rods, curve_of
 from pipeline.simulate.outcome import Record
 from pipeline.values.formats import ARM_LAW, FIVE
 from pipeline.values.run import RodError, State

@@ -10,8 +10,8 @@ import pytest
 
 from geometry import Reason
 from pipeline.config.load import load_config
-from pipeline.identify import identified as module
-from pipeline.identify.identified import identify_run
+from pipeline.identify import parameters as module
+from pipeline.identify.parameters import identify_run
 from pipeline.simulate.outcome import Outcomes
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.too_short import too_short

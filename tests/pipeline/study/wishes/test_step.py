@@ -11,9 +11,8 @@ from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from pipeline.study.wishes import search
-from pipeline.study.wishes.behind import behind
 from pipeline.study.wishes.measured import NotBorne, Response
-from pipeline.study.wishes.report import report_of
+from pipeline.study.wishes.report import behind, report_of
 from pipeline.study.wishes.search import Search, SearchResult, Trial, starts
 from pipeline.study.wishes.step import Model, Worth, propose
 from pipeline.study.wishes.wish import WishFile
