@@ -86,6 +86,7 @@ fi
 packages_in=$(echo .venv/lib/python3*/site-packages)
 rm -rf .venv/lib/lib{omptarget,ur_,mkl_scalapack,mkl_blacs,mkl_cdft,mkl_intel_ilp64,mkl_vml,mkl_sequential}* .venv/lib/*.dbg
 rm -rf .venv/lib/lib{mkl_tbb,tbb,tcm,umf,hwloc}* "$packages_in"/vtkmodules/{libviskores,libvtkAcc,vtkAcc,libvtkTest,vtkTest}*
+sed -i '/vtkAccelerators\|vtkTesting/d' "$packages_in"/{vtk,vtkmodules/all}.py  # `import vtk` works without them
 rm -rf "$packages_in"/{numpy,scipy,pandas,numba,matplotlib,distributed,dask}/{,*/,*/*/}tests .venv/share/doc
 .venv/bin/python -m pip uninstall --quiet --yes uv
 if command -v strip >/dev/null; then
