@@ -291,6 +291,7 @@ def along_air(piece: BendingPiece, pressure: float) -> PieceState:
     states.
     """
     fallen, falls, top, only = False, False, -inf, list[tuple[float, FreePoint, FreePoint]]()
+    last = FreePoint.of(piece, piece.rest())
     try:
         for before, last in pairwise(AirPath.of(piece).points()):
             fallen, falls, top = fallen or before.rise <= 0.0, last.rise <= 0.0, max(top, last.pressure)
@@ -302,9 +303,9 @@ def along_air(piece: BendingPiece, pressure: float) -> PieceState:
                     return _under_pressure(piece, pressure, air, before, last)
             if only and not fallen and last.pressure > ONLY_FORM * max(pressure, piece.after_snap):
                 break
-    except PieceFailed:
+    except PieceFailed as failure:
         if not fallen and not only:
-            raise
+            raise PieceFailed(piece.where(last.state, pressure), *failure.reasons) from None
     if only and not fallen:
         return _under_pressure(piece, pressure, *only[0])
     values: Values = {"piece": piece.name, "pressure_kPa": 1e3 * pressure, "limit_kPa": 1e3 * top}

@@ -361,9 +361,10 @@ class BendingPiece:
             start.terms,
         )
 
-    def where(self, at: PieceState) -> Reason:
-        """Where a state is, as one that is no equilibrium or has no slopes."""
-        return self._where(at.pressure, at.angle, at.pressure)
+    def where(self, at: PieceState, target: float | None = None) -> Reason:
+        """Where a state is, as one that is no equilibrium, has no slopes, or is the last on the way to a pressure, in
+        MPa."""
+        return self._where(at.pressure, at.angle, at.pressure if target is None else target)
 
     def _where(self, pressure: float, angle: float, target: float) -> Reason:
         """Where there is no equilibrium; target: MPa, the pressure to which the way led."""
