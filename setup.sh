@@ -86,7 +86,15 @@ fi
 packages_in=$(echo .venv/lib/python3*/site-packages)
 rm -rf .venv/lib/lib{omptarget,ur_,mkl_scalapack,mkl_blacs,mkl_cdft,mkl_intel_ilp64,mkl_vml,mkl_sequential}* .venv/lib/*.dbg
 rm -rf .venv/lib/lib{mkl_tbb,tbb,tcm,umf,hwloc}* "$packages_in"/vtkmodules/{libviskores,libvtkAcc,vtkAcc,libvtkTest,vtkTest}*
-sed -i '/vtkAccelerators\|vtkTesting/d' "$packages_in"/{vtk,vtkmodules/all}.py  # `import vtk` works without them
+.venv/bin/python - "$packages_in"/{vtk,vtkmodules/all}.py <<'END'  # `import vtk` works without them
+import sys
+from pathlib import Path
+
+for file in filter(Path.is_file, map(Path, sys.argv[1:])):
+    lines = [one for one in file.read_text().splitlines(True) if "vtkAccelerators" not in one and "vtkTesting" not in one]
+    file.unlink()  # the cache of uv has a link to it
+    file.write_text("".join(lines))
+END
 rm -rf "$packages_in"/{numpy,scipy,pandas,numba,matplotlib,distributed,dask}/{,*/,*/*/}tests .venv/share/doc
 .venv/bin/python -m pip uninstall --quiet --yes uv
 if command -v strip >/dev/null; then
