@@ -117,9 +117,9 @@ def test_a_constant_load_that_bends_the_arm_far_grows_with_the_pressure(monkeypa
     asked: list[float] = []
     reach = follower.PathFollower._reach
 
-    def recorded(self: Any, target: Any, before: Any) -> Any:
-        asked.append(target.value)
-        return reach(self, target, before)
+    def recorded(self: Any, target: float, *rest: Any, **given: Any) -> Any:
+        asked.append(target)
+        return reach(self, target, *rest, **given)
 
     monkeypatch.setattr(follower.PathFollower, "_reach", recorded)
     scene = Scene.meshed(load_config(CONFIGS / "pneunet_coarse.yaml", ["geometry.chambers=5", "mesh.size=6 mm"]))
