@@ -48,7 +48,7 @@ class Variant:
     formulation: Formulation
     stiffness: float  #: of contact, over that of the piece: both follow the shear modulus
     layer: Membrane | None = None  #: in place of that of the same name
-    _kept: dict[int, tuple[Any, Any]] = field(default_factory=dict, repr=False)
+    _kept: dict[int, tuple[Any, Any]] = field(default_factory=dict, init=False, repr=False)
 
     @staticmethod
     def of(piece: BendingPiece, shift: Array | None, material: Solid | None) -> "Variant":
@@ -101,7 +101,7 @@ class DesignChange:
     def of_layer(piece: BendingPiece, less: Membrane, more: Membrane, step: float) -> "DesignChange":
         """A layer on the same faces with a constant smaller and larger by half a step."""
         same = Variant.of(piece, None, None)
-        first, second = (replace(same, layer=layer, _kept={}) for layer in (less, more))
+        first, second = (replace(same, layer=layer) for layer in (less, more))
         return DesignChange(first, second, step, np.zeros_like(piece.space.points), 0.0)
 
     def limit_rate(self, piece: BendingPiece, at: PieceState, along: State) -> float:

@@ -50,18 +50,12 @@ MOST_STATES = 12
 BENT, LEAST_BENT = 0.2, 0.015
 
 
-def inflated(
-    piece: BendingPiece,
-    pressure: float,
-    angle: float,
-    failures: int = MAX_FAILURES,
-    begin: PieceState | None = None,
-) -> PieceState:
+def inflated(piece: BendingPiece, pressure: float, angle: float, begin: PieceState | None = None) -> PieceState:
     """Equilibrium at a pressure in MPa and an angle in rad, from the piece at rest, as `unloaded`.
 
     Raises `PieceFailed`.
     """
-    reached = unloaded(piece, pressure, angle, failures, begin)
+    reached = unloaded(piece, pressure, angle, begin=begin)
     if reached.angle == angle:
         return reached
     turned = piece.solve(pressure, angle, reached)
@@ -291,10 +285,11 @@ def along_air(piece: BendingPiece, pressure: float) -> PieceState:
     states.
     """
     fallen, falls, top, only = False, False, -inf, list[tuple[float, FreePoint, FreePoint]]()
-    last = FreePoint.of(piece, piece.rest())
+    reached = piece.rest()
     try:
         for before, last in pairwise(AirPath.of(piece).points()):
             fallen, falls, top = fallen or before.rise <= 0.0, last.rise <= 0.0, max(top, last.pressure)
+            reached = last.state
             for air in _risings(before, last, pressure):
                 if piece.after_snap and not fallen:
                     only.append((air, before, last))
@@ -305,7 +300,7 @@ def along_air(piece: BendingPiece, pressure: float) -> PieceState:
                 break
     except PieceFailed as failure:
         if not fallen and not only:
-            raise PieceFailed(piece.where(last.state, pressure), *failure.reasons) from None
+            raise PieceFailed(piece.where(reached, pressure), *failure.reasons) from None
     if only and not fallen:
         return _under_pressure(piece, pressure, *only[0])
     values: Values = {"piece": piece.name, "pressure_kPa": 1e3 * pressure, "limit_kPa": 1e3 * top}

@@ -11,7 +11,7 @@ from geometry.arrays import Array
 
 ROW, COLUMN = VOIGT[:, 0].copy(), VOIGT[:, 1].copy()
 #: pairs of principal axes, and sweeps of Jacobi's method, of which five leave nothing but rounding
-PAIRS, SWEEPS = np.array([[0, 1], [1, 2], [0, 2]]), 12
+PAIRS, SWEEPS = VOIGT[3:].copy(), 12
 
 
 @njit(cache=True, fastmath=FAST)
