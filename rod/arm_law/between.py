@@ -24,7 +24,7 @@ from typing import final
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm_law.curves import CellCurve, Placed
+from rod.arm_law.curves import CellCurve, Placed, has_unloaded
 from rod.cubics import cubic, cubic_slope, hermite
 from rod.errors import RodError
 
@@ -131,10 +131,11 @@ def _lines(first_place: Placed[CellCurve], second_place: Placed[CellCurve]) -> l
     if first.onset is not None and second.onset is not None:
         onsets = first.onset, second.onset
         ways.append([lowest, onsets, _halfway(max(onsets), last), (last, last)])
-    if all(curve.moment[0] < 0.0 < curve.moment[-1] for curve in (first, second)):
-        free = first.at(0.0)[0], second.at(0.0)[0]
-        if max(free) > last:
-            ways = [[lowest, free, (first.kappa[-1], second.kappa[-1])]]
+    if all(has_unloaded(curve.moment) for curve in (first, second)):
+        free, highest = (first.at(0.0)[0], second.at(0.0)[0]), (first.kappa[-1], second.kappa[-1])
+        if max(free) >= last:
+            before, after = np.all(np.diff([lowest, free, highest], axis=0) > 0.0, axis=1).tolist()
+            ways = [[*[lowest] * before, free, *[highest] * after]]
     step = second_place.place - first_place.place
     lines = []
     for way in ways:

@@ -19,6 +19,8 @@ from rod.errors import RodError
 #: of a cell out of its plane: those that have a limit of the mesh and derivatives by the design, and all
 ACROSS = ("lateral_rigidity", "torsional_rigidity")
 IN_SPACE = (*ACROSS, "lateral_shear_rigidity", "twist_axis", "tilt_by_torque")
+#: moment over the range of those of a law that a state may have which was solved without one
+NO_MOMENT = 1e-6
 
 
 def key_of(one: "Field[Any]") -> str:
@@ -30,6 +32,12 @@ def key_of(one: "Field[Any]") -> str:
 def nothing() -> Array:
     """Of a field that may be missing."""
     return np.empty(0)
+
+
+def has_unloaded(moment: Array) -> bool:
+    """Whether rising moments (k,) in N mm have zero among them, or end there but for `NO_MOMENT`."""
+    nearly = NO_MOMENT * float(moment[-1] - moment[0])
+    return bool(moment[0] - nearly <= 0.0 <= moment[-1] + nearly)
 
 
 Curve_co = TypeVar("Curve_co", covariant=True)

@@ -16,7 +16,7 @@ from rod.arm.path import NoEquilibrium, Path, PathOptions, follow
 from rod.arm.response import SolvedPath
 from rod.arm.stability import Stability, stability_of
 from rod.arm_law.air import air_along, air_volumes
-from rod.arm_law.curves import ClampCurve, TipCurve, TipState
+from rod.arm_law.curves import NO_MOMENT, ClampCurve, TipCurve, TipState
 from rod.arm_law.section import SectionLaw
 from rod.arm_law.tabulated import TabulatedSection, end_arrays, tip_state
 from rod.checked import Amount
@@ -30,8 +30,6 @@ from rod.weight import Mass
 ELEMENT, FIRST = 0.2, 0.02
 #: over the length of the first element: where the moment decides if the first element ends there
 SHORT = 0.05, 2.0
-#: a curvature or moment may leave the law by rounding, over its range
-ROUNDING = 1e-9
 #: how exactly the part of a load is told that the law bears
 PARTS = 7
 #: of a load along the arm, at which it is told where the material curve lies
@@ -175,7 +173,7 @@ class LawRod:
     def outside(self, path: Path) -> str:
         """A sentence where the curvature of cells or the moment at the clamp leaves the law; empty elsewhere."""
         law, clamp, found = self.section, self.clamp, path.nodes.found
-        if found.outside <= ROUNDING * np.ptp(law.kappa) and found.beyond <= ROUNDING * np.ptp(clamp.moment):
+        if found.outside <= NO_MOMENT * np.ptp(law.kappa) and found.beyond <= NO_MOMENT * np.ptp(clamp.moment):
             return ""
         bends = np.array(self._model.section.strains(*path.nodes.acting)[2])
         bends[0] = max(bends[0], path.nodes.moment[0, 2], key=abs)  # that of cells, and that at the clamp

@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.between import Joined, interpolate_columns, join_states
-from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve, Placed, TipCurve
+from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve, Placed, TipCurve, has_unloaded
 from rod.cubics import cubic, cubic_slope, hermite, monotone_cubic, monotone_slopes, parabola_slopes
 from rod.errors import RodError
 from rod.same_pressure import known_at
@@ -28,8 +28,6 @@ POINTS = 257
 BEYOND = 0.25
 #: moments of the clamped end between two pressures
 CLAMP_POINTS = 65
-#: moment over the range of those of a law that a state has which was solved without one
-NO_MOMENT = 1e-6
 #: of a tip, interpolated between pressures
 TIP_VALUES = ("beside", "edge", "couple", "acts_at", "beside_held", "beside_pinned", "pinned_by_pull", "volume")
 
@@ -54,8 +52,7 @@ class SectionLaw:
     @property
     def kappa_0(self) -> float:
         """Curvature without moment, 1/mm; raises `RodError` where the law does not reach it."""
-        nearly = NO_MOMENT * float(self.moment[-1] - self.moment[0])
-        if not self.moment[0] - nearly <= 0.0 <= self.moment[-1] + nearly:
+        if not has_unloaded(self.moment):
             raise RodError(f"The law at {self.pressure:g} kPa has no point without moment.")
         return float(cubic(self.moment, self.kappa, self.kappa_slope, 0.0))
 

@@ -1,5 +1,7 @@
 """The arm's own law between two pressures, where the moment has a kink that moves with the pressure."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -71,6 +73,19 @@ def test_the_state_without_moment_is_known_where_curves_end_far_apart(end: float
     """The second curve ends at `end`, before the first one is free of moment; the first one may begin beyond it."""
     first, second = curve(100.0, 0.01, 0.0, first=begin), curve(225.0, 0.01, 0.0, first=-0.06, last=end)
     for pressure in (101.0, 130.0, 190.0, 224.0):
+        law = section_at((first.placed, second.placed), pressure, pressure)
+        assert law.kappa_0 == pytest.approx(-GROWTH * pressure, abs=1e-6)
+
+
+@pytest.mark.parametrize("rounding", [-1e-10, 1e-10])
+def test_curves_that_end_without_a_moment_have_a_state_without_one_between_them(rounding: float) -> None:
+    """As those of swollen cells that a moment straightens no further; rounding: of the last curvature, 1/mm."""
+    ends = {pressure: -GROWTH * pressure + rounding for pressure in (100.0, 125.0)}
+    first, second = (
+        replace(cut, kappa=np.append(cut.kappa[:-1], end), moment=np.append(cut.moment[:-1], SOFT * rounding))
+        for cut, end in ((curve(p, 0.01, 0.0, first=-0.06, last=end + 3e-3), end) for p, end in ends.items())
+    )
+    for pressure in (100.0, 110.0, 124.0, 125.0):
         law = section_at((first.placed, second.placed), pressure, pressure)
         assert law.kappa_0 == pytest.approx(-GROWTH * pressure, abs=1e-6)
 
