@@ -23,7 +23,6 @@ from pipeline.api.options import (
     Vector,
     command,
 )
-from pipeline.results.options import write_new
 from pipeline.store.progress import Progress
 
 __all__ = ["budget", "export", "move", "shape", "solve"]
@@ -138,10 +137,6 @@ def solve(
     tip_mass: TipMass = None,
     rod: Rod = None,
     ratio: Ratio = None,
-    picture: Annotated[
-        Path | str | None,
-        typer.Option("--picture", metavar="FILE", help="Page with the tips it reaches, up to --tip-mass."),
-    ] = None,
 ) -> "pressures.Solutions":
     """Find the pressure for a place of the end, an angle, or a force.
 
@@ -153,8 +148,6 @@ def solve(
     wish = pressures.Wish.read(tip, angle, force, at_height, loading)
     chosen = choice.choose_rod(choice.run_along(given_path(path, "path", "results/arm"), ratio), rod)
     found = pressures.pressures_for(chosen, wish)
-    if picture is not None:
-        write_new(given_path(picture, "picture", "tips.html"), pressures.tips_page(chosen, wish, found))
     return pressures.Solutions(found, chosen.notes)
 
 

@@ -116,11 +116,9 @@ def _options(function: Callable[..., Any]) -> dict[str, inspect.Parameter]:
     return found
 
 
-def _listener(quiet: bool = False, verbose: bool = False, as_json: bool = False, **_: object) -> Progress:
-    """The listener to the progress, by the options -q, -v and --json of a command that has them."""
-    if quiet:
-        return Silent()
-    return progress_for(Console(stderr=as_json), verbose=verbose)
+def _listener(quiet: bool = False, as_json: bool = False, **_: object) -> Progress:
+    """The listener to the progress, by the options -q and --json of a command that has them."""
+    return Silent() if quiet else progress_for(Console(stderr=as_json))
 
 
 @wraps(runs.characterize)
@@ -161,10 +159,6 @@ def _solved() -> ModuleType:
 
 
 QUIET = Annotated[bool, typer.Option("-q", "--quiet", help="No progress, only the verdict.")], False
-VERBOSE = (
-    Annotated[bool, typer.Option("-v", "--verbose", help="Every Newton iteration, and the time of every stage.")],
-    False,
-)
 JSON = (
     Annotated[bool, typer.Option("--json", help="The verdict as JSON on standard output; progress on stderr.")],
     False,
@@ -179,7 +173,7 @@ PICTURE = (
 
 app.callback()(show_version)
 add(setup.init, lambda: shown.show_file, cls=Init)
-add(run, lambda: _solved().show_results, "run", quiet=QUIET, verbose=VERBOSE, as_json=JSON)
+add(run, lambda: _solved().show_results, "run", quiet=QUIET, as_json=JSON)
 add(runs.mesh, lambda: _solved().show_mesh)
 add(studies.effects, lambda: _solved().show_effects)
 add(studies.accuracy, lambda: _solved().show_accuracy)

@@ -12,7 +12,7 @@ from pipeline.law.build import MeasuredLaw
 from pipeline.law.in_space.measure import MeasuredInSpace
 from pipeline.law.study import LawReport
 from pipeline.law.table import law_remarks, law_table, mesh_table, rows_table, space_sentences, space_table
-from pipeline.show import tables
+from pipeline.show.tables import five_parameters
 from pipeline.show.terminal import body_table
 from pipeline.simulate.meshed import MeshedArm
 from pipeline.study.accuracy.study import ConvergenceStudy
@@ -30,20 +30,17 @@ if TYPE_CHECKING:  # Dask and pandas come with these
     from pipeline.study.wishes.report import DesignReport
 
 
-def show_results(made: "Results | PairRuns", quiet: bool = False, verbose: bool = False, as_json: bool = False) -> None:
+def show_results(made: "Results | PairRuns", quiet: bool = False, as_json: bool = False) -> None:
     """Print the verdict of a run and its tables."""
     if isinstance(made, PairRuns):
         _show_pairs(made, as_json)
         return
-    results = made.run
     if as_json:
         print_json(made.verdict.record())
         return
     print_sentences(*made.verdict.lines)
     if not quiet:
-        details = (tables.rods, tables.loads, tables.states, tables.effects, tables.design, tables.cost)
-        print_lines(tables.five_parameters(results), *(table(results) for table in details if verbose))
-        print_sentences(*(f"Note: {note.text}" for note in results.remarks if verbose))
+        print_lines(five_parameters(made.run))
     print_lines(f"report: {made.report}")
 
 

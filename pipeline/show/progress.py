@@ -18,11 +18,10 @@ TOLD_FROM = 0.05
 
 @final
 class Lines(Progress):
-    """One plain line per stage and per pressure, for logs and pipes; `verbose` adds one per Newton iteration."""
+    """One plain line per stage and per pressure, for logs and pipes."""
 
-    def __init__(self, console: Console, *, verbose: bool = False) -> None:
+    def __init__(self, console: Console) -> None:
         self._console = console
-        self._verbose = verbose
         self._iterations: dict[str, int] = {}
         self._left = TimeLeft({})
 
@@ -37,10 +36,8 @@ class Lines(Progress):
                 self._iterations.pop(name, None)  # of an experiment of this name that has failed
                 self._left.announce(name, len(pressures))
                 self._print(f"experiment {name}: {', '.join(f'{pressure:g}' for pressure in pressures)} kPa")
-            case ("iteration", (name, pressure, number, residual)):
+            case ("iteration", (name, *_)):
                 self._iterations[name] = self._iterations.get(name, 0) + 1
-                if self._verbose:
-                    self._print(f"{name}: {pressure:g} kPa, iteration {number}, residual {residual:.0e}")
             case ("step_done", (name, pressure, seconds)):
                 iterations = self._iterations.pop(name, 0)
                 counted = f"{iterations} iterations, " if iterations else ""
@@ -126,10 +123,7 @@ class Terminal(Progress):
             self._stage = None
 
 
-def progress_for(console: Console | None = None, *, verbose: bool = False) -> Progress:
-    """A live table on a terminal, plain lines elsewhere; on standard output unless a console is given.
-
-    `verbose`: plain lines everywhere, with every Newton iteration.
-    """
+def progress_for(console: Console | None = None) -> Progress:
+    """A live table on a terminal, plain lines elsewhere; on standard output unless a console is given."""
     console = console or Console()
-    return Terminal(console) if console.is_terminal and not verbose else Lines(console, verbose=verbose)
+    return Terminal(console) if console.is_terminal else Lines(console)

@@ -18,7 +18,7 @@ COMMANDS = typer.main.get_command(app).commands  # type: ignore[attr-defined]
 #: commands whose functions are called otherwise
 OTHER_NAMES = {"run": "characterize", "rod": "shape"}
 #: options that say how values are printed
-PRINTED = {"quiet", "verbose", "as_json"}
+PRINTED = {"quiet", "as_json"}
 
 
 @pytest.mark.parametrize("name", sorted(COMMANDS))

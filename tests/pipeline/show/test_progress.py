@@ -109,12 +109,6 @@ def test_an_experiment_that_has_stopped_leaves_the_table_with_the_next_stage() -
     assert "II" not in text.getvalue()
 
 
-def test_every_iteration_where_it_is_requested() -> None:
-    text = io.StringIO()
-    report(progress_for(Console(file=text, force_terminal=True), verbose=True))
-    assert "II: 17 kPa, iteration 2, residual 1e-07" in text.getvalue()
-
-
 def test_progress_fits_into_80_columns() -> None:
     """Of lines and of the table, with the longest names and numbers of a run."""
     calls = [
