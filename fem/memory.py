@@ -33,11 +33,6 @@ def paused() -> Iterator[None]:
             gc.enable()
 
 
-def pass_over_what_is_loaded() -> None:
-    """From now on collections pass over the objects that exist, the last one at the end of the process too."""
-    gc.freeze()
-
-
 @cache
 def keep_freed_memory() -> bool:
     """Have the C library keep freed arrays of up to 32 MiB for the next ones, once in the life of the process.

@@ -1,5 +1,7 @@
 """Compilation of the kernels ahead of a run, so that its processes load them from disk."""
 
+import gc
+
 import numpy as np
 
 from fem.effects.effect import Effect
@@ -7,7 +9,7 @@ from fem.effects.loads import Pressure
 from fem.effects.membrane import StrainLimitingLayer
 from fem.materials import StVenantKirchhoff
 from fem.materials.regions import Solid, laws_of
-from fem.memory import pass_over_what_is_loaded, paused
+from fem.memory import paused
 from fem.model import Model
 from fem.path.loadpath import follow
 from fem.post.recovery import stress_error
@@ -36,4 +38,4 @@ def compile_kernels(formulation: str = "p2p0", material: Solid | None = None, la
         for law_of_region in laws_of(material or law).values():
             for evaluate in (law_of_region.shear, law_of_region.dilatation):
                 evaluate(np.zeros((1, 6)))
-    pass_over_what_is_loaded()
+    gc.freeze()  # collections pass over all that is loaded, the last one at the end of the process too

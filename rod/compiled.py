@@ -29,7 +29,7 @@ class CompiledLater(Generic[P, R]):
         called. after: largest number of calls in plain Python."""
         self.function = function
         self.calls = tuple(calls)
-        self.remaining = after
+        self.remaining = after  #: calls in plain Python before the first compiled one
         self._compiled: Callable[P, R] | None = None
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
@@ -41,10 +41,6 @@ class CompiledLater(Generic[P, R]):
                 return self.function(*args, **kwargs)
         self._compiled = self.compiled()
         return self._compiled(*args, **kwargs)
-
-    def compile_next(self) -> None:
-        """Skip the calls in plain Python: the next one is compiled."""
-        self.remaining = 0
 
     def compiled(self) -> Callable[P, R]:
         """The function compiled by numba, with a cache on disk that holds until one of the source files changes."""

@@ -68,11 +68,6 @@ class ActiveSet:
             for term, model in zip(self.stiffened, self.model, strict=True)
         )
 
-    @property
-    def has_added_pairs(self) -> bool:
-        """Whether pairs of walls that crossed in a crease have been added."""
-        return any(tightening is not None and tightening.pairs.nodes.size for tightening in self.tightenings)
-
     def with_tightenings(self, tightenings: Sequence[Tightening | None]) -> Self:
         """With the terms of the model as they stood in a state where `tightenings` was this; itself where all None."""
         terms = tuple(

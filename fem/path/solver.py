@@ -72,7 +72,7 @@ class IncrementSolver:
         fails has activated or made stiffer is as before.
         """
         self.iterations, self.active_set = 0, self.active_set.at_new_increment()
-        self.began_with_pairs = self.active_set.has_added_pairs
+        self.began_with_pairs = any(one and one.pairs.nodes.size for one in self.active_set.tightenings)
         known, foreseen = self.active_set, self._approach(increment)
         try:
             converged = self._admissible(increment)

@@ -262,11 +262,6 @@ class Config(Section):
         chosen = {key: why for key, why in self.mesh.chosen.items() if key != "formulation"}
         return replace(config, mesh=replace(self.mesh, formulation=element.name, chosen=chosen))
 
-    def with_contact_distance(self, dhat_mm: float | None) -> "Config":
-        """The same with another activation distance of contact; None for the default."""
-        contact = replace(self.effects.self_contact, dhat_mm=dhat_mm)
-        return replace(self, effects=replace(self.effects, self_contact=contact))
-
     def with_mesh_size(self, size_mm: float) -> "Config":
         """The same with another mesh size."""
         return replace(self, mesh=replace(self.mesh, size_mm=size_mm))

@@ -1,6 +1,6 @@
 """The two ends of an arm: how many half cells they disturb, and their curves beside those of the cell."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -90,18 +90,13 @@ def choose_half_cells(
             errors[shorter] = displacement(borne[shorter], borne[half_cells], cell, length)
             if errors[shorter] <= DECAY:
                 return shorter, errors[shorter], None
-            if is_not_nearer(tuple(errors.values())):
+            if len(errors) > 1 and errors[shorter] > NOT_NEARER * errors[shorter - 2]:
                 why = "longer ones are not nearer to each other"
                 break
     why = next(reversed(failed.values()), why)
     if not errors:
         return min(borne, default=1), None, Reason("ends_unknown", {"why": why})
     return _nearest(errors, why, most)
-
-
-def is_not_nearer(errors: Sequence[float]) -> bool:
-    """Whether the last of these differences of longer and longer ends is no smaller than the one before."""
-    return len(errors) > 1 and errors[-1] > NOT_NEARER * errors[-2]
 
 
 def _nearest(errors: Mapping[int, float], why: str, most: float) -> tuple[int, float, Reason]:

@@ -210,11 +210,14 @@ def corrected(law: ArmLaw, corrections: Corrections) -> ArmLaw:
     """The law with its cells and clamped ends at their corrected moments and curvatures."""
     across = [corrections.out_of_plane(pressure) for pressure in law.pressures]
     moves = [corrections.at(pressure) for pressure in law.pressures]
-    cells = tuple(moved_cell(*pair) for pair in zip(law.cells, moves, strict=True))
+    cells = [moved_cell(*pair) for pair in zip(law.cells, moves, strict=True)]
+    for k, factors in enumerate(across):
+        columns = zip(ACROSS, factors, strict=True)
+        cells[k] = replace(cells[k], **{name: factor * getattr(cells[k], name) for name, factor in columns})
     clamps = tuple(moved_clamp(*pair) for pair in zip(law.clamps, moves, strict=True))
     return replace(
         law,
-        cells=tuple(_cell_across(*pair) for pair in zip(cells, across, strict=True)),
+        cells=tuple(cells),
         clamps=tuple(_clamp_across(*pair) for pair in zip(clamps, across, strict=True)),
         rates={name: rate.with_moments([move.ratio for move in moves], across) for name, rate in law.rates.items()},
     )
@@ -229,12 +232,6 @@ def _ratio(cell: CellCurve, own: Numbers, limits: Limits, length: float) -> floa
         if straight is not None:
             return limits["moment"].value / straight
     return limits["rigidity"].value / own["rigidity"]
-
-
-def _cell_across(curve: CellCurve, factors: Array) -> CellCurve:
-    """The curve with its rigidities out of the plane times their factors (2,)."""
-    columns = zip(ACROSS, factors, strict=True)
-    return replace(curve, **{name: factor * getattr(curve, name) for name, factor in columns})
 
 
 def _clamp_across(curve: ClampCurve, factors: Array) -> ClampCurve:

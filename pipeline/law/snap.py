@@ -148,4 +148,6 @@ def swollen_pieces(pieces: ArmPieces, law: ArmLaw) -> ArmPieces | None:
         return None
     first, at_limit = ABOVE * law.back.value, ABOVE * law.limit.value
     asked = {p for p in pieces.config.pressures_kPa if p > first}
-    return pieces.after_snap_at(sorted({float(f"{p:.4g}") for p in (first, at_limit)} | asked), in_MPa(law.limit.value))
+    pressures_kPa = tuple(sorted({float(f"{p:.4g}") for p in (first, at_limit)} | asked))
+    config = replace(pieces.config, pressures_kPa=pressures_kPa)
+    return replace(pieces, config=config, after_snap=in_MPa(law.limit.value))

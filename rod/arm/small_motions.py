@@ -131,7 +131,7 @@ lowest_of = CompiledLater(_lowest_of, (factorize, solve, solve_small, negative_o
 def compile_solver() -> None:
     """Compile the solver of chains and the search for the lowest eigenvalue, or load them from disk."""
     for kernel in (solve_chain, lowest_of):
-        kernel.compile_next()
+        kernel.remaining = 0
     none = room_for(Chain(True, True, np.ones(1), 0, 0.0, 1, 1.0), 0)
     none.band[:, 11] = 1.0
     lowest_of(none, none, np.ones(6, bool), np.zeros((0, 2), np.int64))

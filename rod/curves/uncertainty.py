@@ -74,11 +74,6 @@ def _roughness(response: Array, kappa: Array) -> tuple[Array, Array]:
     return (differences @ kappa) ** 2, np.sum((differences @ response) ** 2, axis=1)
 
 
-def misfit_correlation(pitch: float, s: Array) -> Array:
-    """(n, n) correlation of a misfit at the points s (n,) mm: high within a cell of `pitch`, none beyond a few."""
-    return np.exp(-2.0 * ((s[:, None] - s[None, :]) / pitch) ** 2)
-
-
 def total_covariance(residual: Array, matrix: Array, noise: Array, correlation: Array, least: float) -> Array:
     """(n, n) covariance of the noise plus that of the misfit, which the noise does not explain.
 

@@ -22,7 +22,7 @@ import numpy as np
 from scipy.optimize import lsq_linear, minimize_scalar
 
 from geometry.arrays import Array
-from rod.curves.uncertainty import effective_observations, misfit_correlation, sample_errors, total_covariance
+from rod.curves.uncertainty import effective_observations, sample_errors, total_covariance
 from rod.identification.observed import HARMONICS, DesignMatrix, Observed
 
 #: prior standard deviation of an offset, over the largest Delta
@@ -77,7 +77,8 @@ class Regression:
         offset *= float(np.abs(observed.delta).max())
         least = RESOLUTION_OF_DELTA * math.sqrt(float(np.mean(observed.delta**2)))
         fit = trial_fit(Regression(observed, Weights(1.0 / least, offset, noise)))
-        correlation = misfit_correlation(observed.pitch, observed.s)
+        # of a misfit: high within a cell, none beyond a few
+        correlation = np.exp(-2.0 * ((observed.s[:, None] - observed.s[None, :]) / observed.pitch) ** 2)
         error = total_covariance(observed.delta - fit.fitted, fit.matrix, noise, correlation, least)
         deviation = math.sqrt(float(np.trace(error)) / len(observed.s))
         data = math.sqrt(effective_observations(error) / len(observed.s)) / deviation

@@ -81,21 +81,20 @@ def identify(
     moment: Moment,
     closure: Closure | None = None,
     *,
-    breaks: tuple[float, float] | None = None,
     d: float | None = None,
     bootstrap: Bootstrap = Bootstrap(),  # noqa: B008  a frozen value
 ) -> Identification:
     """The five parameters from the intrinsic and the loaded curvature and the moment of the loaded curve.
 
     Both curvatures come from the same estimator at the same points. closure: displacement of the end, which the
-    parameters have to reproduce. breaks: range of d over the length, by default `default_breaks`. d: mm, given instead
-    of sought; it may be shorter than what the curvatures resolve, and the closure then decides on the first line.
+    parameters have to reproduce. d: mm, given instead of sought; it may be shorter than what the curvatures resolve,
+    and the closure then decides on the first line.
 
     Raises `RodError` when the curvatures do not belong together, when the rod carries no moment, when the arm is too
-    short (`observed.FEWEST_PITCHES`), when breaks or d leave the rod, and when curvature falls where the moment grows.
+    short (`observed.FEWEST_PITCHES`), when d leaves the rod, and when curvature falls where the moment grows.
     """
     observed = Observed.of(kappa_0, kappa, moment, closure)
-    grid = _break_grid(observed, breaks) if d is None else _given(observed, d)
+    grid = _break_grid(observed) if d is None else _given(observed, d)
     single = single_line(observed, bootstrap)
     regression = _weighted_regression(observed, grid, MAX_RIGIDITY_RATIO * single.alpha.value)
     profile = [regression.bounded(d) for d in grid]
@@ -129,22 +128,10 @@ def longest_break(length: float) -> float:
     return BREAKS[1] * length
 
 
-def default_breaks(length: float, pitch: float) -> tuple[float, float]:
-    """The range of d over the length for an arm with cells of `pitch`; the boundary zone belongs to the first cells."""
-    return shortest_break(length, pitch) / length, BREAKS[1]
-
-
-def _break_grid(observed: Observed, breaks: tuple[float, float] | None) -> Array:
+def _break_grid(observed: Observed) -> Array:
     """(GRID_POINTS,) breaks, mm."""
-    low, high = breaks or default_breaks(observed.length, observed.pitch)
-    if not 0.0 < low < high < 1.0:
-        raise RodError(
-            f"The range of d over the length must rise and lie between 0 and 1; {low:g} ... {high:g} does not."
-        )
-    low = max(low, MIN_BREAK * observed.pitch / observed.length)
-    if low >= high:
-        raise RodError(f"No d below {high:g} of the length can be identified with cells of {observed.pitch:g} mm.")
-    return np.linspace(low, high, GRID_POINTS) * observed.length
+    low = shortest_break(observed.length, observed.pitch) / observed.length
+    return np.linspace(low, BREAKS[1], GRID_POINTS) * observed.length
 
 
 def _given(observed: Observed, d: float) -> Array:

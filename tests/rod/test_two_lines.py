@@ -92,11 +92,6 @@ def test_nearly_one_line_stays_one_line():
     assert not identified.two_lines
 
 
-def test_d_is_sought_within_its_range():
-    narrow = identify(*by_cells(SyntheticArm(STEP, ripple=0.2)), breaks=(0.2, 0.3), bootstrap=Bootstrap(20))
-    assert 0.2 <= narrow.law.d / 112.0 <= 0.3
-
-
 @pytest.mark.parametrize("law", [MEETING, STEP])
 def test_a_given_d_is_that_of_the_law_and_the_other_numbers_are_the_best_with_it(law):
     data = by_cells(SyntheticArm(law))

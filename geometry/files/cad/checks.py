@@ -51,7 +51,8 @@ def check_position(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, h
     else:
         is_misplaced = abs(near + far) > UNEQUAL * sides.max()
     if is_misplaced:
-        raise misplaced(first, last, body.middle, body.source.has_axes, not has_splines(gmsh, solids))
+        has_axes = not np.array_equal(np.abs(body.source.turn), np.eye(3))
+        raise misplaced(first, last, body.middle, has_axes, not has_splines(gmsh, solids))
 
 
 def check_ends(gmsh: Any, body: CadBody, solids: list[Volume]) -> None:

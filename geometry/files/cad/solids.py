@@ -36,11 +36,6 @@ class CadSource:
     apart: bool  #: whether they stay several that have their faces in common, because they are of other materials
     shift: float = 0.0  #: along z, after the rotation, mm
 
-    @property
-    def has_axes(self) -> bool:
-        """Whether other directions of the file are x, y and z of the arm."""
-        return not np.array_equal(np.abs(self.turn), np.eye(3))
-
 
 @dataclass(frozen=True)
 class CadBody:

@@ -258,16 +258,12 @@ def _volume(gmsh: Any, surface: Surface) -> int:
     patches: dict[int, list[int]] = {}
     for _, patch in gmsh.model.getEntities(2):
         nodes = gmsh.model.mesh.getElementsByType(2, patch)[1]
-        patches.setdefault(_part(gmsh, nodes, part_of), []).append(patch)
+        of_most = int(np.bincount(part_of[nodes[nodes < len(part_of)].astype(np.int64)]).argmax())
+        patches.setdefault(of_most, []).append(patch)
     loops = [gmsh.model.geo.addSurfaceLoop(patches[k]) for k in sorted(patches)]
     volume = int(gmsh.model.geo.addVolume(loops))
     gmsh.model.geo.synchronize()
     return volume
-
-
-def _part(gmsh: Any, nodes: Index, part_of: Index) -> int:
-    """Number of the part of the surface to which most of the nodes belong."""
-    return int(np.bincount(part_of[nodes[nodes < len(part_of)].astype(np.int64)]).argmax())
 
 
 def _without_rounding(points: Array, curved: CurvedEdges) -> CurvedEdges:

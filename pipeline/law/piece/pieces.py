@@ -62,10 +62,6 @@ class ArmPieces:
         """The same pieces, whose curves have derivatives by the design (`pipeline.law.piece.rates`)."""
         return replace(self, derivatives=True, by=(), mesh_of=None)
 
-    def after_snap_at(self, pressures_kPa: Sequence[float], limit: float) -> "ArmPieces":
-        """The same pieces after the cells have snapped at a limit in MPa, at other pressures."""
-        return replace(self, config=replace(self.config, pressures_kPa=tuple(pressures_kPa)), after_snap=limit)
-
     def with_mesh(self, mesh: MeshSettings) -> "ArmPieces":
         """The same pieces on another mesh, with the same contact and without derivatives."""
         return replace(self, config=replace(self.config, mesh=mesh), derivatives=False, by=(), mesh_of=None)

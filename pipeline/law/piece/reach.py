@@ -83,11 +83,8 @@ class Reach:
         part = MARGIN * STRAIGHTENED if outward * self.bend < 0.0 else FURTHER
         straight = max(-outward * kappa, 0.0)
         turn = straight + part * bend + MARGIN * 3.0 * self.end_y / self.length**2
-        by_weight = self._moment_of_weight(rigidity)
+        # at the clamp at most: of a straight arm that lies, or of a soft one that turns over, whose bending energy per
+        # length M^2 / (2 EI) is what its weight gains
+        by_weight = STRETCHED * min(0.5 * self.weight * self.length, 2.0 * sqrt(rigidity * self.weight))
         farthest = max(straight + LARGEST / self.length, by_weight / rigidity)
         return Range(outward, turn, straight, max(self.force * self.length, by_weight), farthest, rigidity)
-
-    def _moment_of_weight(self, rigidity: float) -> float:
-        """N mm, at the clamp at the most: of a straight arm that lies, or of a soft one that turns over, whose bending
-        energy per length M^2 / (2 EI) is what its weight gains."""
-        return STRETCHED * min(0.5 * self.weight * self.length, 2.0 * sqrt(rigidity * self.weight))

@@ -62,6 +62,8 @@ def ladder(config: Config, contact_mm: float | None) -> list[Rung]:
                 rungs.append(Rung(mesh_series(changed), size, changed))
     rungs += [Rung(TOLERANCE, value, replace(config, newton=Newton(value))) for value in TOLERANCES]
     if contact_mm is not None:
-        distances = [round(factor * contact_mm, 6) for factor in DISTANCES]
-        rungs += [Rung(CONTACT, value, config.with_contact_distance(value)) for value in distances]
+        for distance in (round(factor * contact_mm, 6) for factor in DISTANCES):
+            contact = replace(config.effects.self_contact, dhat_mm=distance)
+            changed = replace(config, effects=replace(config.effects, self_contact=contact))
+            rungs.append(Rung(CONTACT, distance, changed))
     return rungs

@@ -55,12 +55,6 @@ class References:
     #: by the names of `RodNumbers.scalars`; None where too few rungs have a number
     numbers: Mapping[str, Limit | None]
 
-    @property
-    def relative_std(self) -> float:
-        """The largest relative standard deviation of the headline numbers."""
-        present = [reference for name in HEADLINE if (reference := self.numbers[name])]
-        return max((abs(reference.std / reference.value) for reference in present), default=0.0)
-
     def of(self, name: str) -> tuple[Limit, ...]:
         """The reference of a number by its name in `NUMBERS`, two of the end; empty where there is none."""
         parts = [self.numbers[part] for part in (COORDINATES if name == END else (name,))]

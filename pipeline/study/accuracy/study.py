@@ -57,8 +57,9 @@ class ConvergenceStudy:
 
     @property
     def reference_error(self) -> float:
-        """The largest relative standard deviation of the reference."""
-        return max(references.relative_std for references in self.references)
+        """The largest relative standard deviation of the reference, of the headline numbers."""
+        known = filter(None, (references.numbers[name] for references in self.references for name in HEADLINE))
+        return max((abs(limit.std / limit.value) for limit in known), default=0.0)
 
     @property
     def orders(self) -> dict[tuple[str, float], dict[str, Order]]:

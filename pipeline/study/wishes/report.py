@@ -40,12 +40,6 @@ def behind(model: Model) -> tuple[str, ...]:
     return tuple(told[number] for number in sorted(met or told))
 
 
-def at_bounds(wishes: Wishes, point: Array) -> tuple[str, ...]:
-    """A clause for each dimension and pressure of a point (n,) that stands at a bound."""
-    ends = ((one, value, bound) for one, value in zip(wishes.free, point, strict=True) for bound in (one.low, one.high))
-    return tuple(f"{one.key}, {b:.4g} {one.unit}" for one, value, b in ends if abs(np.log(value / b)) < AT)
-
-
 def _wider(model: Model, step: float) -> Iterator[tuple[Model, str]]:
     """The model where one bound, one limit or the material gives way by a change of its logarithm, and words for it."""
     wishes, numbers, far = model.file.wishes, model.numbers, float(np.exp(step))
@@ -190,10 +184,11 @@ def report_of(
     limits = tuple(_limits(file, trial.numbers.stretch, trial.point))
     objective = None if np.isnan(trial.worth.objective) else trial.worth.objective
     start = wishes.values(wishes.start)
+    ends = ((one, bound) for one in wishes.free for bound in (one.low, one.high))
     way = () if trial.worth.is_within(1.0) else behind(Model(file, trial.point, trial.numbers))
     return DesignReport(
         *(file.source, directory, file.name, start, values, results, limits, objective, found.history, run, way),
-        bounds=at_bounds(wishes, trial.point),
+        bounds=tuple(f"{e.key}, {b:.4g} {e.unit}" for e, b in ends if abs(np.log(values[e.key] / b)) < AT),
         draft=file.draft and in_run is None,
     )
 
