@@ -141,21 +141,20 @@ class SharedPlane(Support):
     The plane takes the position in which the forces along its normal balance: without other loads on it the nodes carry
     no resultant force along the normal. Positions are x = c n + eta e2 + zeta e3 with a common unknown c. Where the
     normal is not that of the nodes at rest they are moved into the plane that passes through the mean of their
-    distances, in full from the first target on, or with ramp=True in proportion to the load factor.
+    distances, in full from the first target on.
 
     normal: (3,) of any length. Raises `SupportError` for a normal of length zero.
     """
 
     where: Where
     normal: tuple[float, float, float]
-    ramp: bool = False
 
     def equations(self, space: Discretisation) -> Equations:
         """n . (X + u) = c with c = s + the mean of n . X."""
         nodes, normal = nodes_at(self.where, space), _unit(self.normal)
         distance = space.points[nodes] @ normal
         components = _components("xyz", nodes).reshape(-1, 3)
-        return Equations.of(components, normal, distance.mean() - distance, self.ramp, common=1.0)
+        return Equations.of(components, normal, distance.mean() - distance, ramp=False, common=1.0)
 
 
 @final

@@ -46,7 +46,6 @@ class PressurisedRod:
     s: Array  #: (m,) mm, from 0 to length
     kappa_0: Array  #: (n, m) 1/mm
     theta0: Array  #: (n,) rad, tangent angle at the clamp
-    start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
     moment_ranges: tuple[MomentRange, ...] = ()  #: (n,) of the identification; empty: not given
     #: whether the arm is straight without pressure; not where it has a weight or a cavity with a constant pressure
     straight_without_pressure: bool = True
@@ -87,7 +86,6 @@ class PressurisedRod:
             profile,
             law,
             theta0,
-            self.start,
             weight=self.weight,
             weight_height=self.weight_height,
             mass=self.mass,

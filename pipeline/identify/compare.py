@@ -1,9 +1,8 @@
 """The rods compared with the finite elements, with five parameters and with the arm's own law, and the curves of all
 experiments as one table."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -35,22 +34,15 @@ class ArmRods:
         """The pressures that have five parameters."""
         return self.parameters.pressures_kPa
 
-    @cached_property
-    def _sources(self) -> dict[str, Callable[[float], Rod]]:
-        """By name: what gives the rod at a pressure."""
-        sources: dict[str, Callable[[float], Rod]] = {}
-        if self.identified_kPa:
-            sources[FIVE] = replace(self.parameters.rods(), start=self.start).at
-        if (law := self.law) is not None:
-            sources[ARM_LAW] = lambda pressure: Rod(law.length, law=law.at(pressure), start=self.start)
-        return sources
-
     def at(self, pressure: float) -> Rods:
         """The rods at a pressure in kPa, between identified ones by cubics; a reason for each that is none."""
-        rods: dict[str, Rod | RodError] = {}
-        for name, rod_at in self._sources.items():
+        five, rods = self.parameters.rods() if self.identified_kPa else None, dict[str, Rod | RodError]()
+        for name, law in ((FIVE, five), (ARM_LAW, self.law)):
+            if law is None:
+                continue
             try:
-                rods[name] = rod_at(pressure)
+                found = law.at(pressure)
+                rods[name] = replace(found if isinstance(found, Rod) else Rod(law.length, law=found), start=self.start)
             except RodError as failure:
                 rods[name] = failure
         return rods

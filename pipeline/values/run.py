@@ -269,9 +269,9 @@ class Run:
         """The names of the rods that were compared, in the order of the file."""
         return tuple(dict.fromkeys(error.rod for error in self.rod_errors))
 
-    def errors_of(self, rod: str, sample: str = "") -> tuple[RodError, ...]:
-        """The errors of one rod; with a sample, in or out, those alone."""
-        return tuple(error for error in self.rod_errors if error.rod == rod and sample in ("", error.sample))
+    def errors_of(self, rod: str) -> tuple[RodError, ...]:
+        """The errors of one rod."""
+        return tuple(error for error in self.rod_errors if error.rod == rod)
 
     def curve(self, experiment: str, pressure_kPa: float) -> Curve | None:
         """The curve of one experiment at one pressure; None where it was not reached."""

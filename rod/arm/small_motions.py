@@ -21,12 +21,12 @@ BISECTIONS, LARGEST = 40, 1e6
 OF_CLAMP = 6
 
 
-def lowest(solver: Solver, state: StateArrays, kept: Mask, factor: float = 1.0) -> tuple[float, Array]:
-    """The lowest eigenvalue of a chain in space under a part of its loads, and its motion (N, 6).
+def lowest(solver: Solver, state: StateArrays, kept: Mask) -> tuple[float, Array]:
+    """The lowest eigenvalue of a chain in space under its loads, and its motion (N, 6).
 
     kept: (6,), which of the motions along and turns about x, y and z are possible.
     """
-    load = acting(solver.load, state, factor)
+    load = acting(solver.load, state, 1.0)
     stays = kept[load.held[:, 1]]
     load = load._replace(held=load.held[stays], target=load.target[stays], lever=load.lever[stays])
     still = state._replace(reaction=np.zeros(len(load.held)))

@@ -17,7 +17,6 @@ ROD = PressurisedRod(
     S,
     np.outer([0.012, 0.03], 1.0 + 0.1 * np.cos(S)),
     np.array([0.0, 0.02]),
-    (0.0, 1.0),
 )
 
 
@@ -46,7 +45,6 @@ def test_the_rod_between_two_pressures():
     parabolas = [np.polyval(np.polyfit([0.0, 17.0, 37.0], [0.0, *v], 2), 27.0) for v in ([0.012, 0.03], [0.0, 0.02])]
     assert rod.solve().kappa[0] == pytest.approx(parabolas[0] * 1.1)
     assert rod.theta0 == pytest.approx(parabolas[1])
-    assert rod.start == (0.0, 1.0)
     for pressure, law, kappa_0, theta0 in zip(ROD.pressures, ROD.laws, ROD.kappa_0, ROD.theta0, strict=True):
         at = ROD.at(float(pressure))
         assert at.law == law
