@@ -1,7 +1,7 @@
 """The rods compared with the finite elements, with five parameters and with the arm's own law, and the curves of all
 experiments as one table."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -36,13 +36,14 @@ class ArmRods:
 
     def at(self, pressure: float) -> Rods:
         """The rods at a pressure in kPa, between identified ones by cubics; a reason for each that is none."""
-        five, rods = self.parameters.rods() if self.identified_kPa else None, dict[str, Rod | RodError]()
-        for name, law in ((FIVE, five), (ARM_LAW, self.law)):
-            if law is None:
-                continue
+        law, rods, sources = self.law, dict[str, Rod | RodError](), dict[str, Callable[[float], Rod]]()
+        if self.identified_kPa:
+            sources[FIVE] = self.parameters.rods().at
+        if law is not None:
+            sources[ARM_LAW] = lambda pressure: Rod(law.length, law=law.at(pressure))
+        for name, rod_at in sources.items():
             try:
-                found = law.at(pressure)
-                rods[name] = replace(found if isinstance(found, Rod) else Rod(law.length, law=found), start=self.start)
+                rods[name] = replace(rod_at(pressure), start=self.start)
             except RodError as failure:
                 rods[name] = failure
         return rods
