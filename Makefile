@@ -98,6 +98,8 @@ kernels: $(DEV)  ## compile what the solvers need, once for all processes of the
 
 # one process per core; with more threads of the linear algebra they wait for each other, and take three times as long
 test: export OMP_NUM_THREADS := 1
+# tests are compiled once, and not by each process again
+test: export PYTHONDONTWRITEBYTECODE :=
 test: $(DEV) kernels  ## all tests but the slow ones
 	@# a test that hangs fails after a quarter of an hour, with the lines it stands at; the longest takes a minute
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal --timeout 900 --durations 15

@@ -94,6 +94,16 @@ def with_poses() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="module")
+def few_poses() -> Iterator[None]:
+    """And few of them where the page is looked at, but nobody bends its arm."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(poses, "_poses", POSES)
+        for name, value in (("MOST", 3), ("DIRECTIONS", 4), ("STEP", 1.5)):
+            patch.setattr(poses, name, value)
+        yield
+
+
 @pytest.fixture
 def solved_tightly(monkeypatch: pytest.MonkeyPatch) -> None:
     """Cells are solved until their forces balance to `TIGHT`, so that differences of their states have digits."""

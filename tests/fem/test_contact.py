@@ -10,22 +10,7 @@ import ipctk
 import numpy as np
 import pytest
 
-from fem import (
-    Effect,
-    Experiment,
-    Fixed,
-    Model,
-    NewtonOptions,
-    NotConverged,
-    PathObserver,
-    PathOptions,
-    Prescribed,
-    Pressure,
-    SelfContact,
-    Step,
-    StVenantKirchhoff,
-    follow,
-)
+import fem
 from fem.discretisation import Discretisation
 from fem.effects.barrier import COMPLIANCE, WEIGHT, FacingTerm, carried_gaps, contact_potential
 from fem.effects.contact import STIFFNESS, BarrierTerm
@@ -42,32 +27,32 @@ from geometry import Body, Reason
 from geometry.arrays import Array
 from tests.bodies import bricks, fork, named, on_plane
 
-LAW = StVenantKirchhoff(E=1.2, nu=0.495)
+LAW = fem.StVenantKirchhoff(E=1.2, nu=0.495)
 GAP = 2.0
 
 
 def bend(
-    body: Body, contact: list[Effect], pressures: list[float], **options: float
-) -> tuple[Experiment, tuple[Step, ...]]:
-    experiment = Experiment.of("II", body, 0.0)
-    model = experiment.model(LAW, [Pressure("cavity", 1e-3 * pressures[-1]), *contact], "p2p0")
-    tight = PathOptions(NewtonOptions(tolerance=1e-9), **options)
-    return experiment, follow(model, [pressure / pressures[-1] for pressure in pressures], tight).steps
+    body: Body, contact: list[fem.Effect], pressures: list[float], **options: float
+) -> tuple[fem.Experiment, tuple[fem.Step, ...]]:
+    experiment = fem.Experiment.of("II", body, 0.0)
+    model = experiment.model(LAW, [fem.Pressure("cavity", 1e-3 * pressures[-1]), *contact], "p2p0")
+    tight = fem.PathOptions(fem.NewtonOptions(tolerance=1e-9), **options)
+    return experiment, fem.follow(model, [pressure / pressures[-1] for pressure in pressures], tight).steps
 
 
 @pytest.fixture(scope="module")
-def touching(short: Body) -> tuple[Experiment, tuple[Step, ...]]:
+def touching(short: Body) -> tuple[fem.Experiment, tuple[fem.Step, ...]]:
     """Experiment II at 5 kPa, where nothing touches, and at 37 kPa."""
-    return bend(short, [SelfContact("gap", starts_inactive=True)], [5.0, 37.0])
+    return bend(short, [fem.SelfContact("gap", starts_inactive=True)], [5.0, 37.0])
 
 
 @pytest.fixture(scope="module")
-def without(short: Body) -> Step:
+def without(short: Body) -> fem.Step:
     """The same at 37 kPa, with walls that pass through each other."""
     return bend(short, [], [37.0])[1][0]
 
 
-def crossings(step: Step) -> bool:
+def crossings(step: fem.Step) -> bool:
     """Whether any two triangles through the nodes of the gap's faces cross, by exact tests."""
     surface = step.space.surface("gap")
     nodes = surface.unique_nodes
@@ -76,16 +61,16 @@ def crossings(step: Step) -> bool:
     return bool(ipctk.has_intersections(mesh, np.asfortranarray(step.positions[nodes])))
 
 
-def distance(step: Step, other: Step) -> float:
+def distance(step: fem.Step, other: fem.Step) -> float:
     return float(np.abs(step.displacement - other.displacement).max())
 
 
 def test_pairs_far_from_contact_have_no_place_in_the_matrix_and_results_do_not_depend_on_it(
-    short: Body, touching: tuple[Experiment, tuple[Step, ...]]
+    short: Body, touching: tuple[fem.Experiment, tuple[fem.Step, ...]]
 ) -> None:
     _, steps = touching
-    _, with_all = bend(short, [SelfContact("gap", starts_inactive=True, near=np.inf)], [5.0, 37.0])
-    _, with_few = bend(short, [SelfContact("gap", starts_inactive=True, near=0.05)], [5.0, 37.0])
+    _, with_all = bend(short, [fem.SelfContact("gap", starts_inactive=True, near=np.inf)], [5.0, 37.0])
+    _, with_few = bend(short, [fem.SelfContact("gap", starts_inactive=True, near=0.05)], [5.0, 37.0])
     assert len(steps[0].added_pairs) == 0, "nothing touches at 5 kPa"
     assert 0 < len(with_few[1].added_pairs) < len(steps[1].added_pairs) < 0.6 * len(with_all[1].added_pairs)
     for other in (with_all, with_few):
@@ -93,7 +78,7 @@ def test_pairs_far_from_contact_have_no_place_in_the_matrix_and_results_do_not_d
         assert other[1].factorizations == steps[1].factorizations
 
 
-def test_walls_touch_and_do_not_cross(touching: tuple[Experiment, tuple[Step, ...]], without: Step) -> None:
+def test_walls_touch_and_do_not_cross(touching: tuple[fem.Experiment, tuple[fem.Step, ...]], without: fem.Step) -> None:
     step = touching[1][-1]
     assert 0 < step.min_gap < 0.1 * GAP
     assert not crossings(step)
@@ -101,13 +86,15 @@ def test_walls_touch_and_do_not_cross(touching: tuple[Experiment, tuple[Step, ..
     assert crossings(without)  # the same test sees what contact prevents
 
 
-def test_contact_pushes_the_chambers_distance(touching: tuple[Experiment, tuple[Step, ...]], without: Step) -> None:
+def test_contact_pushes_the_chambers_distance(
+    touching: tuple[fem.Experiment, tuple[fem.Step, ...]], without: fem.Step
+) -> None:
     experiment, steps = touching
     assert experiment.end(steps[-1])[1] < experiment.end(without)[1] - 0.5
 
 
 def test_contact_that_starts_inactive_ends_where_contact_from_the_start_does(short: Body, touching) -> None:
-    _, always = bend(short, [SelfContact("gap")], [5.0, 37.0])
+    _, always = bend(short, [fem.SelfContact("gap")], [5.0, 37.0])
     for later, present in zip(touching[1], always, strict=True):
         assert distance(later, present) < 1e-6 * short.length
     assert touching[1][0].effects == ("pressure",)
@@ -116,7 +103,7 @@ def test_contact_that_starts_inactive_ends_where_contact_from_the_start_does(sho
 
 def test_contact_that_is_never_activated_is_bitwise_no_contact(short: Body, touching) -> None:
     _, without = bend(short, [], [5.0])
-    _, alone = bend(short, [SelfContact("gap", starts_inactive=True)], [5.0])
+    _, alone = bend(short, [fem.SelfContact("gap", starts_inactive=True)], [5.0])
     np.testing.assert_array_equal(alone[0].displacement, without[0].displacement)
     np.testing.assert_array_equal(alone[0].stress, without[0].stress)
     assert alone[0].factorizations == without[0].factorizations
@@ -144,7 +131,7 @@ def test_the_answer_tends_to_a_limit_with_the_activation_distance(short: Body, t
     experiment, steps = touching
     ends = [experiment.end(steps[-1])[1]]
     for dhat in (0.02, 0.01):
-        _, finer = bend(short, [SelfContact("gap", dhat, starts_inactive=True)], [37.0])
+        _, finer = bend(short, [fem.SelfContact("gap", dhat, starts_inactive=True)], [37.0])
         assert finer[0].min_gap < dhat
         ends.append(experiment.end(finer[0])[1])
     first, second = np.abs(np.diff(ends))
@@ -156,9 +143,11 @@ def test_half_and_whole_body_touch_alike(short: Body) -> None:
     """Measured: 2e-14. With one of several equally near triangles chosen, the force on the end differed by 2e-4."""
     ends = []
     for body in (short, short.full()):
-        experiment = Experiment.of("III", body, 0.0)
-        model = experiment.model(LAW, [Pressure("cavity", 0.037), SelfContact("gap", starts_inactive=True)], "p2p0")
-        step = follow(model, [1.0], PathOptions(NewtonOptions(tolerance=1e-9))).steps[0]
+        experiment = fem.Experiment.of("III", body, 0.0)
+        model = experiment.model(
+            LAW, [fem.Pressure("cavity", 0.037), fem.SelfContact("gap", starts_inactive=True)], "p2p0"
+        )
+        step = fem.follow(model, [1.0], fem.PathOptions(fem.NewtonOptions(tolerance=1e-9))).steps[0]
         assert step.min_gap < 0.1 * GAP
         ends.append(experiment.end_force(step)[1])
     assert ends[1] == pytest.approx(ends[0], rel=1e-10)
@@ -166,14 +155,14 @@ def test_half_and_whole_body_touch_alike(short: Body) -> None:
 
 @final
 @dataclass(frozen=True)
-class BarrierContact(Effect):
+class BarrierContact(fem.Effect):
     """Self-contact by the barrier of incremental potential contact alone."""
 
     faces: str
     dhat: float | None = None
 
     def bind(self, space: Discretisation, material: Material) -> Term:
-        term = SelfContact(self.faces, self.dhat).bind(space, material).tightened(space.points)
+        term = fem.SelfContact(self.faces, self.dhat).bind(space, material).tightened(space.points)
         assert isinstance(term, BarrierTerm)
         return term
 
@@ -187,16 +176,16 @@ def test_barrier_gives_the_same_state(short: Body, touching) -> None:
     assert distance(exact[-1], touching[1][-1]) < 2e-4 * short.length
 
 
-def squeezed(contact: list[Effect], factors: list[float]) -> tuple[Step, ...]:
+def squeezed(contact: list[fem.Effect], factors: list[float]) -> tuple[fem.Step, ...]:
     """Two prongs whose outer corners are pressed 0.3 mm each towards the other, over a gap of 0.4 mm."""
     corners = np.array([[6.0, 0.0, 0.0], [6.0, 0.0, 1.0]])
-    press = [Prescribed(corners, "y", 0.3), Prescribed(corners + np.array([0.0, 2.4, 0.0]), "y", -0.3)]
-    model = Model(fork(0.4), LAW, [Fixed("clamp"), *press], contact, "p2p0")
-    return follow(model, factors, PathOptions(NewtonOptions(tolerance=1e-9))).steps
+    press = [fem.Prescribed(corners, "y", 0.3), fem.Prescribed(corners + np.array([0.0, 2.4, 0.0]), "y", -0.3)]
+    model = fem.Model(fork(0.4), LAW, [fem.Fixed("clamp"), *press], contact, "p2p0")
+    return fem.follow(model, factors, fem.PathOptions(fem.NewtonOptions(tolerance=1e-9))).steps
 
 
 def test_prongs_meet_in_their_middle_and_part_again() -> None:
-    closed, opened = squeezed([SelfContact("prongs", starts_inactive=True)], [1.0, 0.1])
+    closed, opened = squeezed([fem.SelfContact("prongs", starts_inactive=True)], [1.0, 0.1])
     assert 0 < closed.min_gap < 0.04
     free = squeezed([], [0.1])[0]
     assert distance(opened, free) < 1e-8
@@ -209,11 +198,11 @@ def test_a_crossing_that_facing_walls_cannot_prevent_is_solved_with_the_exact_ba
     The gap of the state is then that of the barrier: the plane of a triangle that a wall faced at rest, and has turned
     away from, tells nothing of it.
     """
-    _, facing = bend(short, [SelfContact("gap", starts_inactive=True)], [17.0])
+    _, facing = bend(short, [fem.SelfContact("gap", starts_inactive=True)], [17.0])
     _, barrier = bend(short, [BarrierContact("gap")], [17.0])
     monkeypatch.setattr(FacingTerm, "violation", lambda self, x: Reason("walls_cross"))
     monkeypatch.setattr(FacingTerm, "gap", lambda self, x: -1.0)
-    _, steps = bend(short, [SelfContact("gap", starts_inactive=True)], [17.0])
+    _, steps = bend(short, [fem.SelfContact("gap", starts_inactive=True)], [17.0])
     assert not crossings(steps[0])
     assert steps[0].min_gap == pytest.approx(barrier[0].min_gap, rel=0.02)
     # which of the barrier's collisions are near enough depends a little on the way
@@ -233,7 +222,7 @@ def test_walls_that_pass_through_a_soft_contact_are_separated_by_a_stiffer_one(m
     monkeypatch.setattr(FacingTerm, "tightened", recorded)
     stability: list[tuple[Term, ...]] = []
     monkeypatch.setattr("fem.path.follower.instability", lambda system, converged, terms: stability.append(terms) or ())
-    _, steps = bend(short, [SelfContact("gap", starts_inactive=True)], [37.0])
+    _, steps = bend(short, [fem.SelfContact("gap", starts_inactive=True)], [37.0])
     assert len(gaps) == 2
     assert gaps[0] < gaps[1] < 0 < steps[0].min_gap
     stiffest = stability[-1][-1]  # the stability of the state is that with the contact that keeps its walls apart
@@ -244,23 +233,23 @@ def test_walls_that_pass_through_a_soft_contact_are_separated_by_a_stiffer_one(m
 
 def test_contact_is_activated_before_there_is_equilibrium_without_it(short: Body) -> None:
     """A state that is nearly in equilibrium shows which walls meet; the iterations to the end of that are saved."""
-    model = Experiment.of("II", short, 0.0).model(
-        LAW, [Pressure("cavity", 0.037), SelfContact("gap", starts_inactive=True)], "p2p0"
+    model = fem.Experiment.of("II", short, 0.0).model(
+        LAW, [fem.Pressure("cavity", 0.037), fem.SelfContact("gap", starts_inactive=True)], "p2p0"
     )
     residuals: list[tuple[int, float]] = []
-    observer = PathObserver(lambda target, iteration, residual: residuals.append((iteration, residual)))
-    step = follow(model, [1.0], observer=observer).steps[0]
+    observer = fem.PathObserver(lambda target, iteration, residual: residuals.append((iteration, residual)))
+    step = fem.follow(model, [1.0], observer=observer).steps[0]
     assert step.active[-1]
     begins = [number for number, (iteration, _) in enumerate(residuals) if iteration == 0]
     last_without = [residuals[number - 1][1] for number in begins[1:]]
-    assert all(NewtonOptions().tolerance < residual < NEAR for residual in last_without)
+    assert all(fem.NewtonOptions().tolerance < residual < NEAR for residual in last_without)
     assert len(begins) == 2
 
 
 def test_gaps_ahead_are_those_of_their_present_rates() -> None:
     mesh = fork(0.4)
     space = Discretisation.of(mesh, "p2p0")
-    term = SelfContact("prongs", starts_inactive=True).bind(space, LAW)
+    term = fem.SelfContact("prongs", starts_inactive=True).bind(space, LAW)
     down = np.where(space.points[:, 1:2] > 1.2, [[0.0, -0.5, 0.0]], 0.0)
     assert term.gap(space.points) == pytest.approx(0.4)
     assert term.gap_ahead(space.points, down) == pytest.approx(-0.1, abs=1e-9)
@@ -273,7 +262,7 @@ def test_contact_that_is_foreseen_saves_factorizations_and_changes_nothing(monke
     _, steps = touching
     assert steps[1].active[-1]
     monkeypatch.setattr(ActiveSet, "approached", lambda self, x, dx: self)
-    _, unforeseen = bend(short, [SelfContact("gap", starts_inactive=True)], [5.0, 37.0])
+    _, unforeseen = bend(short, [fem.SelfContact("gap", starts_inactive=True)], [5.0, 37.0])
     assert distance(steps[1], unforeseen[1]) < 1e-7
     assert steps[1].factorizations < unforeseen[1].factorizations
 
@@ -281,7 +270,7 @@ def test_contact_that_is_foreseen_saves_factorizations_and_changes_nothing(monke
 def test_contact_that_is_foreseen_and_does_not_come_is_left_out(monkeypatch, short: Body, touching) -> None:
     _, alone = bend(short, [], [2.0, 5.0])
     monkeypatch.setattr(FacingTerm, "gap_ahead", lambda self, x, dx: -1.0)
-    _, steps = bend(short, [SelfContact("gap", starts_inactive=True)], [2.0, 5.0])
+    _, steps = bend(short, [fem.SelfContact("gap", starts_inactive=True)], [2.0, 5.0])
     assert not steps[1].active[-1]
     assert steps[1].effects == ("pressure",)
     assert distance(steps[1], alone[1]) < 1e-7
@@ -289,10 +278,10 @@ def test_contact_that_is_foreseen_and_does_not_come_is_left_out(monkeypatch, sho
 
 def test_contact_of_an_increment_that_fails_is_as_it_was_before(monkeypatch, short: Body) -> None:
     """A smaller increment may not need what a larger one has activated or made stiffer."""
-    contact = SelfContact("gap", starts_inactive=True)
-    model = Experiment.of("II", short, 0.0).model(LAW, [Pressure("cavity", 0.037), contact], "p2p0")
+    contact = fem.SelfContact("gap", starts_inactive=True)
+    model = fem.Experiment.of("II", short, 0.0).model(LAW, [fem.Pressure("cavity", 0.037), contact], "p2p0")
     system = model.system()
-    follower = PathFollower(LoadControl.of(system), PathOptions(min_increment=1.0), PathObserver())
+    follower = PathFollower(LoadControl.of(system), fem.PathOptions(min_increment=1.0), fem.PathObserver())
     tried: list[bool] = []
 
     def failing(solver: IncrementSolver, increment: Increment) -> Converged:
@@ -321,8 +310,8 @@ def test_what_overlaps_is_named_where_stiffer_contact_fails(monkeypatch, short: 
 
     monkeypatch.setattr(IncrementSolver, "_solve", failing)
     monkeypatch.setattr("fem.effects.contact.STIFFNESS", 0.04 * STIFFNESS)
-    with pytest.raises(NotConverged) as caught:
-        bend(short, [SelfContact("gap", starts_inactive=True)], [37.0], min_increment=0.25)
+    with pytest.raises(fem.NotConverged) as caught:
+        bend(short, [fem.SelfContact("gap", starts_inactive=True)], [37.0], min_increment=0.25)
     reasons = caught.value.end.reasons
     assert [reason.code for reason in reasons[:3]] == ["walls_cross", "stiffer_contact_fails", "tangent_indefinite"]
     assert reasons[0].where is not None
@@ -345,9 +334,9 @@ def test_with_stiffer_contact_an_increment_starts_along_the_rate_of_the_last(mon
         return solved(start, *others)
 
     monkeypatch.setattr(ActiveSet, "restored", tightened)
-    contact = SelfContact("gap", starts_inactive=True)
-    model = Experiment.of("II", short, 0.0).model(LAW, [Pressure("cavity", 0.037), contact], "p2p0")
-    follower = PathFollower(LoadControl.of(model.system()), PathOptions(), PathObserver())
+    contact = fem.SelfContact("gap", starts_inactive=True)
+    model = fem.Experiment.of("II", short, 0.0).model(LAW, [fem.Pressure("cavity", 0.037), contact], "p2p0")
+    follower = PathFollower(LoadControl.of(model.system()), fem.PathOptions(), fem.PathObserver())
     last = follower.advance(0.9).displacement
     monkeypatch.setattr(newton, "solve", watched)
     follower.advance(1.0)
@@ -373,9 +362,11 @@ def test_contact_of_one_pair_of_walls_activates_that_of_the_next() -> None:
     corners = np.array([[6.0, 0.0, 0.0], [6.0, 0.0, 1.0]])
     steps = []
     for inactive in (True, False):
-        contact = [SelfContact(name, starts_inactive=inactive) for name in ("lower", "upper")]
-        model = Model(mesh, StVenantKirchhoff(1.2, 0.3), [Fixed("clamp"), Prescribed(corners, "y", 1.0)], contact)
-        steps.append(follow(model, [1.0], PathOptions(NewtonOptions(tolerance=1e-9))).steps[0])
+        contact = [fem.SelfContact(name, starts_inactive=inactive) for name in ("lower", "upper")]
+        model = fem.Model(
+            mesh, fem.StVenantKirchhoff(1.2, 0.3), [fem.Fixed("clamp"), fem.Prescribed(corners, "y", 1.0)], contact
+        )
+        steps.append(fem.follow(model, [1.0], fem.PathOptions(fem.NewtonOptions(tolerance=1e-9))).steps[0])
     assert steps[0].active == (True, True)
     assert 0 < steps[0].min_gap < 0.02
     assert distance(*steps) < 1e-7
@@ -396,7 +387,7 @@ def test_a_carried_gap_is_where_the_pressure_of_the_barrier_has_moved_the_body()
 
 def test_the_force_of_a_carried_gap_is_linear_and_that_of_the_gap_where_both_are_equal() -> None:
     space = Discretisation.of(fork(0.4), "p2p0")
-    term = replace(SelfContact("prongs", dhat=0.3).bind(space, LAW), dhat=0.5)  # beyond the gap at rest
+    term = replace(fem.SelfContact("prongs", dhat=0.3).bind(space, LAW), dhat=0.5)  # beyond the gap at rest
     x, dx = space.points, 1e-3 * np.random.default_rng(1).standard_normal(space.points.shape)
 
     def force(term: FacingTerm, x: Array) -> Array:
@@ -425,7 +416,7 @@ def test_the_force_of_a_carried_gap_is_linear_and_that_of_the_gap_where_both_are
 
 def test_carried_gaps_make_a_narrow_barrier_cheap_and_change_nothing(monkeypatch, short: Body, touching) -> None:
     """A narrow barrier is steep: the gap after a step, in which rotations make errors, says little about its force."""
-    narrow: list[Effect] = [SelfContact("gap", dhat=0.005, starts_inactive=True)]
+    narrow: list[fem.Effect] = [fem.SelfContact("gap", dhat=0.005, starts_inactive=True)]
     _, carried = bend(short, narrow, [5.0, 37.0])
     assert carried[1].factorizations <= touching[1][1].factorizations + 4
     monkeypatch.setattr(FacingTerm, "advanced", lambda self, x, dx: self)

@@ -7,24 +7,12 @@ prototype, which agree to eight digits.
 import numpy as np
 import pytest
 
-from fem import (
-    Experiment,
-    Fixed,
-    Model,
-    NewtonOptions,
-    PathOptions,
-    Pressure,
-    SelfContact,
-    Solution,
-    Step,
-    StVenantKirchhoff,
-    follow,
-)
+import fem
 from fem.equations.linear import SuperLU
 from geometry import Body, PneuNet
 from tests.bodies import hollow_box, reference_arm
 
-LAW = StVenantKirchhoff(E=1.2, nu=0.495)
+LAW = fem.StVenantKirchhoff(E=1.2, nu=0.495)
 
 #: pressure in kPa -> mean ux and uy of the tip's nodes in mm, half the volume of the cavity in mm3
 REFERENCE = {
@@ -35,13 +23,13 @@ REFERENCE = {
 }
 
 
-def solve_reference(pressures: list[float]) -> Solution:
-    supports = [Fixed("clamp"), Fixed("sym", "z")]
-    model = Model(reference_arm(), LAW, supports, [Pressure("cavity", 0.045)], formulation="p2")
-    return follow(model, [pressure / 45.0 for pressure in pressures])
+def solve_reference(pressures: list[float]) -> fem.Solution:
+    supports = [fem.Fixed("clamp"), fem.Fixed("sym", "z")]
+    model = fem.Model(reference_arm(), LAW, supports, [fem.Pressure("cavity", 0.045)], formulation="p2")
+    return fem.follow(model, [pressure / 45.0 for pressure in pressures])
 
 
-def check(step: Step, pressure: float) -> None:
+def check(step: fem.Step, pressure: float) -> None:
     tip = step.displacement[step.space.surface("tip").unique_nodes].mean(axis=0)
     computed = (tip[0], tip[1], step.cavity_volume("cavity"))
     assert computed == pytest.approx(REFERENCE[pressure], rel=1e-6)
@@ -72,11 +60,11 @@ def solve(
     formulation: str = "p2p0",
 ):
     """Experiment and solution at the pressures in kPa."""
-    experiment = Experiment.of(name, body, end_y)
-    effects = [Pressure("cavity", 1e-3 * pressures[-1])] + [SelfContact("gap", starts_inactive=True)] * contact
-    options = PathOptions(NewtonOptions(tolerance=tolerance))
+    experiment = fem.Experiment.of(name, body, end_y)
+    effects = [fem.Pressure("cavity", 1e-3 * pressures[-1])] + [fem.SelfContact("gap", starts_inactive=True)] * contact
+    options = fem.PathOptions(fem.NewtonOptions(tolerance=tolerance))
     model = experiment.model(LAW, effects, formulation)
-    return experiment, follow(model, [pressure / pressures[-1] for pressure in pressures], options)
+    return experiment, fem.follow(model, [pressure / pressures[-1] for pressure in pressures], options)
 
 
 def pressed(body: Body, pressure: float) -> float:
@@ -138,9 +126,11 @@ def test_the_answer_does_not_depend_on_the_steps(short: Body) -> None:
 
 
 def test_neither_does_it_on_the_linear_solver() -> None:
-    model = Model(hollow_box(half=True), LAW, [Fixed("clamp"), Fixed("sym", "z")], [Pressure("cavity", 0.1)])
-    first = follow(model, [1.0])
-    second = follow(model, [1.0], PathOptions(solver=SuperLU))
+    model = fem.Model(
+        hollow_box(half=True), LAW, [fem.Fixed("clamp"), fem.Fixed("sym", "z")], [fem.Pressure("cavity", 0.1)]
+    )
+    first = fem.follow(model, [1.0])
+    second = fem.follow(model, [1.0], fem.PathOptions(solver=SuperLU))
     np.testing.assert_allclose(first.steps[0].displacement, second.steps[0].displacement, atol=1e-10)
     assert second.solver == "SuperLU"
     assert first.factorizations == second.factorizations
@@ -149,8 +139,10 @@ def test_neither_does_it_on_the_linear_solver() -> None:
 def test_half_a_body_and_the_whole_one() -> None:
     results = []
     for half in (True, False):
-        supports = [Fixed("clamp")] + [Fixed("sym", "z")] * half
-        step = follow(Model(hollow_box(half), LAW, supports, [Pressure("cavity", 0.05)], "p2"), [1.0]).steps[0]
+        supports = [fem.Fixed("clamp")] + [fem.Fixed("sym", "z")] * half
+        step = fem.follow(
+            fem.Model(hollow_box(half), LAW, supports, [fem.Pressure("cavity", 0.05)], "p2"), [1.0]
+        ).steps[0]
         results.append((step.cavity_volume("cavity"), step.reaction("clamp")[0]))
     assert 2 * results[0][0] == pytest.approx(results[1][0], rel=0.02)  # two different meshes
     assert results[0][1] == pytest.approx(0.0, abs=1e-7)
@@ -158,8 +150,10 @@ def test_half_a_body_and_the_whole_one() -> None:
 
 
 def test_no_load_is_no_motion() -> None:
-    model = Model(hollow_box(half=True), LAW, [Fixed("clamp"), Fixed("sym", "z")], [Pressure("cavity", 0.0)])
-    solution = follow(model, [0.5, 1.0])
+    model = fem.Model(
+        hollow_box(half=True), LAW, [fem.Fixed("clamp"), fem.Fixed("sym", "z")], [fem.Pressure("cavity", 0.0)]
+    )
+    solution = fem.follow(model, [0.5, 1.0])
     assert not solution.steps[-1].displacement.any()
     assert solution.steps[-1].min_J == 1.0
 
@@ -177,9 +171,9 @@ def test_linear_elements_lock(short: Body) -> None:
     bent = {}
     for nu in (0.3, 0.495):
         for formulation in ("p2p0", "p1"):
-            experiment = Experiment.of("II", short, 0.0)
-            model = experiment.model(StVenantKirchhoff(1.2, nu), [Pressure("cavity", 0.005)], formulation)
-            bent[formulation, nu] = short.curve_y - experiment.end(follow(model, [1.0]).steps[0])[1]
+            experiment = fem.Experiment.of("II", short, 0.0)
+            model = experiment.model(fem.StVenantKirchhoff(1.2, nu), [fem.Pressure("cavity", 0.005)], formulation)
+            bent[formulation, nu] = short.curve_y - experiment.end(fem.follow(model, [1.0]).steps[0])[1]
     assert bent["p2p0", 0.495] == pytest.approx(bent["p2p0", 0.3], rel=0.05)  # these do not
     assert 0.4 < bent["p1", 0.3] / bent["p2p0", 0.3] < 0.6
     assert 0.15 < bent["p1", 0.495] / bent["p2p0", 0.495] < 0.25

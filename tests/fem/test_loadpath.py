@@ -6,25 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem import (
-    Experiment,
-    Fixed,
-    Gravity,
-    Model,
-    NeoHooke,
-    NewtonOptions,
-    NotConverged,
-    PathObserver,
-    PathOptions,
-    Prescribed,
-    Pressure,
-    SelfContact,
-    Step,
-    StVenantKirchhoff,
-    follow,
-    step_from_arrays,
-    step_to_arrays,
-)
+import fem
 from fem.elements import ELEMENTS
 from fem.path import newton
 from fem.path.control import LoadControl
@@ -36,15 +18,15 @@ from tests.bodies import box, hollow_box
 from tests.laws import LAWS
 from tests.loads import Traction
 
-LAW = StVenantKirchhoff(E=1.2, nu=0.495)
+LAW = fem.StVenantKirchhoff(E=1.2, nu=0.495)
 
 
 #: bends the beam by a third of its length
-WEIGHT = Gravity(5e-8)
+WEIGHT = fem.Gravity(5e-8)
 
 
-def beam(effects: list) -> Model:
-    return Model(box((4, 1, 1), (8.0, 1.0, 1.0)), StVenantKirchhoff(1.0, 0.3), [Fixed("left")], effects)
+def beam(effects: list) -> fem.Model:
+    return fem.Model(box((4, 1, 1), (8.0, 1.0, 1.0)), fem.StVenantKirchhoff(1.0, 0.3), [fem.Fixed("left")], effects)
 
 
 @pytest.mark.parametrize(("part", "is_taken"), [(0.01, True), (0.2, False)])
@@ -61,17 +43,17 @@ def test_an_equilibrium_with_the_contact_of_its_load_alone_is_no_jump(
         state = replace(state, displacement=grown * state.displacement, strain=grown * state.strain)
         return replace(converged, state=state)
 
-    plain = follow(beam([WEIGHT]), [0.992, 1.0]).steps[-1]
+    plain = fem.follow(beam([WEIGHT]), [0.992, 1.0]).steps[-1]
     monkeypatch.setattr(IncrementSolver, "settled", settled)
-    step = follow(beam([WEIGHT]), [0.992, 1.0]).steps[-1]
+    step = fem.follow(beam([WEIGHT]), [0.992, 1.0]).steps[-1]
     assert step.factor == 1.0
     expected = (1.0 + part if is_taken else 1.0) * plain.displacement
     np.testing.assert_allclose(step.displacement, expected, atol=1e-9)
 
 
 def test_steps_are_at_the_targets_in_their_order() -> None:
-    steps: list[Step] = []
-    solution = follow(beam([WEIGHT]), [0.3, 1.0, 0.3], observer=PathObserver(step_done=steps.append))
+    steps: list[fem.Step] = []
+    solution = fem.follow(beam([WEIGHT]), [0.3, 1.0, 0.3], observer=fem.PathObserver(step_done=steps.append))
     assert [step.factor for step in solution.steps] == [0.3, 1.0, 0.3]
     assert tuple(steps) == solution.steps
     np.testing.assert_allclose(solution.steps[0].displacement, solution.steps[2].displacement, atol=1e-5)
@@ -83,9 +65,9 @@ def test_steps_are_at_the_targets_in_their_order() -> None:
 @pytest.mark.parametrize("formulation", ELEMENTS)
 def test_a_bent_beam_returns_to_a_millionth_of_its_load_and_to_none(formulation: str, law: str) -> None:
     """Without load the rounding of the stress is all that is left; with little load the tolerance is the same."""
-    weight = Gravity(6e-8 if ELEMENTS[formulation].quadratic else 6e-7)  # linear elements lock
-    model = Model(box((4, 1, 1), (8.0, 1.0, 1.0)), LAWS[law], [Fixed("left")], [weight], formulation)
-    bent, nearly_unloaded, unloaded = follow(model, [1.0, 1e-6, 0.0]).steps
+    weight = fem.Gravity(6e-8 if ELEMENTS[formulation].quadratic else 6e-7)  # linear elements lock
+    model = fem.Model(box((4, 1, 1), (8.0, 1.0, 1.0)), LAWS[law], [fem.Fixed("left")], [weight], formulation)
+    bent, nearly_unloaded, unloaded = fem.follow(model, [1.0, 1e-6, 0.0]).steps
     assert np.abs(bent.displacement).max() > 2.0
     assert np.abs(unloaded.displacement).max() < 1e-14
     assert (nearly_unloaded.cutbacks, unloaded.cutbacks) == (0, 0)
@@ -94,15 +76,15 @@ def test_a_bent_beam_returns_to_a_millionth_of_its_load_and_to_none(formulation:
     state = system.state_at(nearly_unloaded.displacement, nearly_unloaded.factor)
     assembly = system.assemble(state, system.terms)
     residual = np.linalg.norm(system.constraints.reduce(assembly.gradient))
-    assert residual < NewtonOptions().tolerance * assembly.scale
+    assert residual < fem.NewtonOptions().tolerance * assembly.scale
 
 
 def test_newton_iterations_can_be_observed_and_are_counted() -> None:
     observed: list[tuple[float, int, float]] = []
-    observer = PathObserver(lambda *arguments: observed.append(arguments))
-    solution = follow(beam([WEIGHT]), [0.5, 1.0], observer=observer)
+    observer = fem.PathObserver(lambda *arguments: observed.append(arguments))
+    solution = fem.follow(beam([WEIGHT]), [0.5, 1.0], observer=observer)
     assert {target for target, _, _ in observed} == {0.5, 1.0}
-    assert observed[-1][2] < NewtonOptions().tolerance
+    assert observed[-1][2] < fem.NewtonOptions().tolerance
     first, second = solution.steps
     for step in solution.steps:
         assert step.cutbacks == 0
@@ -114,10 +96,10 @@ def test_newton_iterations_can_be_observed_and_are_counted() -> None:
 
 def test_increments_that_fail_are_halved_and_leave_no_trace_in_the_result() -> None:
     """Two iterations do not suffice for the full weight, but for parts of it."""
-    direct = follow(beam([WEIGHT]), [1.0]).steps[0]
+    direct = fem.follow(beam([WEIGHT]), [1.0]).steps[0]
     observed: list[int] = []
-    observer = PathObserver(lambda target, iteration, residual: observed.append(iteration))
-    solution = follow(beam([WEIGHT]), [1.0], PathOptions(NewtonOptions(iterations=2)), observer)
+    observer = fem.PathObserver(lambda target, iteration, residual: observed.append(iteration))
+    solution = fem.follow(beam([WEIGHT]), [1.0], fem.PathOptions(fem.NewtonOptions(iterations=2)), observer)
     step = solution.steps[0]
     assert direct.newton_iterations > 2
     assert step.cutbacks >= 2
@@ -132,9 +114,11 @@ def test_increments_that_fail_are_halved_and_leave_no_trace_in_the_result() -> N
 @pytest.mark.parametrize("formulation", ["p2", "p2p0", "mixed"])
 def test_the_rate_of_a_step_is_its_derivative(formulation: str) -> None:
     """Of displacement and pressures by the load factor; the tangent matrix is that of the last iteration."""
-    model = Model(box((4, 1, 1), (8.0, 1.0, 1.0)), StVenantKirchhoff(1.0, 0.49), [Fixed("left")], [WEIGHT], formulation)
-    options = PathOptions(NewtonOptions(tolerance=1e-10))
-    before, at, after = follow(model, [0.49, 0.5, 0.51], options).steps
+    model = fem.Model(
+        box((4, 1, 1), (8.0, 1.0, 1.0)), fem.StVenantKirchhoff(1.0, 0.49), [fem.Fixed("left")], [WEIGHT], formulation
+    )
+    options = fem.PathOptions(fem.NewtonOptions(tolerance=1e-10))
+    before, at, after = fem.follow(model, [0.49, 0.5, 0.51], options).steps
     assert at.rate is not None
     by_difference = (after.displacement - before.displacement) / 0.02
     assert np.abs(at.rate.displacement - by_difference).max() < 2e-3 * np.abs(by_difference).max()
@@ -145,24 +129,24 @@ def test_the_rate_of_a_step_is_its_derivative(formulation: str) -> None:
 
 
 def test_constant_loads_are_applied_in_full_from_the_first_target_on() -> None:
-    first, last = follow(beam([Gravity(5e-8, ramp=False)]), [0.1, 1.0]).steps
+    first, last = fem.follow(beam([fem.Gravity(5e-8, ramp=False)]), [0.1, 1.0]).steps
     np.testing.assert_allclose(first.displacement, last.displacement, atol=1e-9)
-    alone = follow(beam([WEIGHT]), [1.0]).steps[0]
+    alone = fem.follow(beam([WEIGHT]), [1.0]).steps[0]
     np.testing.assert_allclose(last.displacement, alone.displacement, atol=1e-4)
 
 
-def codes(failure: NotConverged) -> list[str]:
+def codes(failure: fem.NotConverged) -> list[str]:
     return [reason.code for reason in failure.end.reasons]
 
 
 def test_a_pressure_that_no_body_can_bear_ends_with_a_reason(short: Body) -> None:
     """1 MPa after 17 kPa: the step that was reached is returned, the limit of the law is named."""
-    model = Experiment.of("II", short, 0.0).model(
-        LAW, [Pressure("cavity", 1.0), SelfContact("gap", starts_inactive=True)], "p2p0"
+    model = fem.Experiment.of("II", short, 0.0).model(
+        LAW, [fem.Pressure("cavity", 1.0), fem.SelfContact("gap", starts_inactive=True)], "p2p0"
     )
-    steps: list[Step] = []
-    with pytest.raises(NotConverged) as caught:
-        follow(model, [0.017, 1.0], observer=PathObserver(step_done=steps.append))
+    steps: list[fem.Step] = []
+    with pytest.raises(fem.NotConverged) as caught:
+        fem.follow(model, [0.017, 1.0], observer=fem.PathObserver(step_done=steps.append))
     reason, partial = caught.value.reason, caught.value.partial
     assert str(caught.value) == reason
     assert reason.startswith("no equilibrium found beyond load factor 0.0")
@@ -175,9 +159,9 @@ def test_a_pressure_that_no_body_can_bear_ends_with_a_reason(short: Body) -> Non
 
 
 def test_a_body_that_is_not_held_is_reported() -> None:
-    model = Model(box((2, 1, 1), (2.0, 1.0, 1.0)), LAW, [Fixed("left", "x")], [Gravity(1e-9)])
-    with pytest.raises(NotConverged) as caught:
-        follow(model, [1.0])
+    model = fem.Model(box((2, 1, 1), (2.0, 1.0, 1.0)), LAW, [fem.Fixed("left", "x")], [fem.Gravity(1e-9)])
+    with pytest.raises(fem.NotConverged) as caught:
+        fem.follow(model, [1.0])
     assert codes(caught.value)[-1] == "body_not_held"
     assert caught.value.partial.steps == ()
     assert caught.value.partial.factorizations < 20
@@ -185,17 +169,17 @@ def test_a_body_that_is_not_held_is_reported() -> None:
 
 def test_a_load_that_is_not_a_number_has_no_equilibrium() -> None:
     pulled = Traction("right", lambda x: np.full_like(x, np.nan))
-    with pytest.raises(NotConverged) as caught:
-        follow(beam([pulled]), [1.0])
+    with pytest.raises(fem.NotConverged) as caught:
+        fem.follow(beam([pulled]), [1.0])
     assert caught.value.end.reasons[0] == Reason("residual_unbounded", {"iterations": 0})
 
 
 def test_an_element_turned_inside_out_is_named() -> None:
     """The right end is pushed past the left one."""
-    supports = [Fixed("left"), Prescribed("right", "x", -2.2), Fixed("right", "yz")]
-    model = Model(box((2, 1, 1), (2.0, 1.0, 1.0)), StVenantKirchhoff(1.0, 0.3), supports, [])
-    with pytest.raises(NotConverged) as caught:
-        follow(model, [0.05, 1.0])
+    supports = [fem.Fixed("left"), fem.Prescribed("right", "x", -2.2), fem.Fixed("right", "yz")]
+    model = fem.Model(box((2, 1, 1), (2.0, 1.0, 1.0)), fem.StVenantKirchhoff(1.0, 0.3), supports, [])
+    with pytest.raises(fem.NotConverged) as caught:
+        fem.follow(model, [0.05, 1.0])
     reason = caught.value.end.reasons[0]
     assert reason.code == "element_inverted"
     assert reason.values["min_J"] < 0.0
@@ -204,24 +188,24 @@ def test_an_element_turned_inside_out_is_named() -> None:
 
 
 def test_too_few_iterations_are_reported() -> None:
-    options = PathOptions(NewtonOptions(iterations=1), min_increment=0.3)
-    with pytest.raises(NotConverged) as caught:
-        follow(beam([WEIGHT]), [1.0], options)
+    options = fem.PathOptions(fem.NewtonOptions(iterations=1), min_increment=0.3)
+    with pytest.raises(fem.NotConverged) as caught:
+        fem.follow(beam([WEIGHT]), [1.0], options)
     assert codes(caught.value) == ["not_converged", "unexplained"]
 
 
 @pytest.mark.parametrize("through_arrays", [False, True])
 def test_a_resumed_path_continues_as_if_it_had_not_been_interrupted(short: Body, through_arrays: bool) -> None:
-    effects = [Pressure("cavity", 0.037), SelfContact("gap", starts_inactive=True)]
-    model = Experiment.of("II", short, 0.0).model(LAW, effects, "p2p0")
+    effects = [fem.Pressure("cavity", 0.037), fem.SelfContact("gap", starts_inactive=True)]
+    model = fem.Experiment.of("II", short, 0.0).model(LAW, effects, "p2p0")
     factors = [5 / 37, 25 / 37, 1.0]
-    whole = follow(model, factors).steps
+    whole = fem.follow(model, factors).steps
     assert "self_contact" in whole[1].effects
     for count in (1, 2):
         done = whole[:count]
         if through_arrays:
-            done = tuple(step_from_arrays(step.space, step_to_arrays(step)) for step in done)
-        again = follow(model, factors, resume=done).steps
+            done = tuple(fem.step_from_arrays(step.space, fem.step_to_arrays(step)) for step in done)
+        again = fem.follow(model, factors, resume=done).steps
         assert [step.factor for step in again] == factors
         for step, first in zip(again, whole, strict=True):
             np.testing.assert_array_equal(step.displacement, first.displacement)
@@ -237,12 +221,12 @@ def test_a_path_towards_a_limit_that_is_resumed_is_the_same_bit_for_bit(
     fractions: tuple[float, ...], formulation: str, limit: float
 ) -> None:
     """The last two points and the rate at rest announce the limit, on which increments and starts depend."""
-    supports = [Fixed("clamp"), Fixed("sym", "z")]
-    model = Model(hollow_box(True), NeoHooke(0.4, 20.0), supports, [Pressure("cavity", 1.0)], formulation)
+    supports = [fem.Fixed("clamp"), fem.Fixed("sym", "z")]
+    model = fem.Model(hollow_box(True), fem.NeoHooke(0.4, 20.0), supports, [fem.Pressure("cavity", 1.0)], formulation)
     factors = [fraction * limit for fraction in fractions]
-    whole = follow(model, factors).steps
+    whole = fem.follow(model, factors).steps
     for count in range(1, len(factors)):
-        again = follow(model, factors, resume=whole[:count]).steps
+        again = fem.follow(model, factors, resume=whole[:count]).steps
         for step, first in zip(again, whole, strict=True):
             np.testing.assert_array_equal(step.displacement, first.displacement)
             assert step.factorizations == first.factorizations
@@ -250,22 +234,24 @@ def test_a_path_towards_a_limit_that_is_resumed_is_the_same_bit_for_bit(
 
 def test_a_finished_path_that_is_resumed_solves_nothing() -> None:
     model = beam([WEIGHT])
-    steps = follow(model, [0.5, 1.0]).steps
-    again = follow(model, [0.5, 1.0], resume=steps)
+    steps = fem.follow(model, [0.5, 1.0]).steps
+    again = fem.follow(model, [0.5, 1.0], resume=steps)
     assert again.steps == steps
     assert again.factorizations == again.analyses == 0
 
 
 def test_two_loads_of_one_kind_add_up() -> None:
-    both = follow(beam([Gravity(2e-8), Gravity(3e-8)]), [1.0]).steps[0]
-    single = follow(beam([WEIGHT]), [1.0]).steps[0]
+    both = fem.follow(beam([fem.Gravity(2e-8), fem.Gravity(3e-8)]), [1.0]).steps[0]
+    single = fem.follow(beam([WEIGHT]), [1.0]).steps[0]
     np.testing.assert_allclose(both.displacement, single.displacement, atol=1e-12)
 
 
 def far_from_the_path() -> tuple[LoadControl, Start]:
     """The full pressure, and a start 30 times beyond what the rate at rest is good for."""
     body = PneuNet(chambers=2).body(7.0)
-    model = Experiment.of("II", body, 0.0).model(StVenantKirchhoff(1.2, 0.495), [Pressure("cavity", 5e-3)], "p2p0")
+    model = fem.Experiment.of("II", body, 0.0).model(
+        fem.StVenantKirchhoff(1.2, 0.495), [fem.Pressure("cavity", 5e-3)], "p2p0"
+    )
     system = model.system()
     control = LoadControl.of(system)
     rest = PathPoint(0.0, 0.0, system.rest_state(), rate=control.rate_at_rest(system.terms, 1.0))
@@ -280,12 +266,12 @@ def test_a_trial_start_is_given_up_as_soon_as_the_strain_is_limited() -> None:
     times = control.system.solver.times
     spent = times.factorizations
     with pytest.raises(StepFailed) as failed:
-        newton.solve(replace(start, trial=True), control, NewtonOptions(), lambda *arguments: None)
+        newton.solve(replace(start, trial=True), control, fem.NewtonOptions(), lambda *arguments: None)
     assert failed.value.reasons[0].code == "tangent_stays_indefinite"
     assert times.factorizations == spent + 1
     iterations: list[int] = []
     with suppress(StepFailed):
-        newton.solve(start, control, NewtonOptions(), lambda iteration, residual: iterations.append(iteration))
+        newton.solve(start, control, fem.NewtonOptions(), lambda iteration, residual: iterations.append(iteration))
     assert iterations[-1] > 1
 
 
@@ -293,7 +279,7 @@ def test_a_start_has_an_iteration_limit_of_its_own() -> None:
     system = beam([WEIGHT]).system()
     start = Start(system.rest_state(), system.terms, max_iterations=1)
     with pytest.raises(StepFailed, match="no equilibrium after 1 iterations"):
-        newton.solve(start, LoadControl.of(system).target(1.0, 1.0), NewtonOptions(), lambda *arguments: None)
+        newton.solve(start, LoadControl.of(system).target(1.0, 1.0), fem.NewtonOptions(), lambda *arguments: None)
     assert system.solver.times.factorizations == 1
 
 
@@ -303,13 +289,13 @@ def test_an_extrapolated_equilibrium_is_iterated_once_because_its_stability_is_n
     euler = np.pi**2 / 12 / (4 * length**2)
     compression = Traction("right", lambda x: np.broadcast_to([-euler, 0.0, 0.0], x.shape))
     column = box((16, 1, 1), (length, 1.0, 1.0))
-    model = Model(column, StVenantKirchhoff(1.0, 0.0), [Fixed("left")], [compression], "p2")
-    system, known = model.system(), follow(model, [2.0]).steps[0]
+    model = fem.Model(column, fem.StVenantKirchhoff(1.0, 0.0), [fem.Fixed("left")], [compression], "p2")
+    system, known = model.system(), fem.follow(model, [2.0]).steps[0]
     state = system.state_at(known.displacement, known.factor)
     control = LoadControl.of(system).target(2.0, 1.0)
     start = Start(state, system.terms)
-    unchecked = newton.solve(start, control, NewtonOptions(), lambda *arguments: None)
-    checked = newton.solve(replace(start, iterates=True), control, NewtonOptions(), lambda *arguments: None)
+    unchecked = newton.solve(start, control, fem.NewtonOptions(), lambda *arguments: None)
+    checked = newton.solve(replace(start, iterates=True), control, fem.NewtonOptions(), lambda *arguments: None)
     assert (unchecked.iterations, checked.iterations) == (0, 1)
     assert checked.negative_pivots == known.negative_pivots == 2
     np.testing.assert_allclose(checked.state.displacement, known.displacement, atol=1e-6)
@@ -324,9 +310,11 @@ def test_a_path_that_loses_its_stability_on_the_way_says_that_it_was_not_followe
     def pressed(x: np.ndarray) -> np.ndarray:
         return np.stack([np.full(x.shape[:-1], -3.0 * euler), 0.0 * x[..., 1], 0.0 * x[..., 2]], axis=-1)
 
-    ends = [Fixed("left")]
-    bar = Model(box((8, 1, 1), (8.0, 1.0, 1.0)), StVenantKirchhoff(1.0, 1e-5), ends, [Traction("right", pressed)], "p2")
-    (at_once,) = follow(bar, [1.0]).steps
+    ends = [fem.Fixed("left")]
+    bar = fem.Model(
+        box((8, 1, 1), (8.0, 1.0, 1.0)), fem.StVenantKirchhoff(1.0, 1e-5), ends, [Traction("right", pressed)], "p2"
+    )
+    (at_once,) = fem.follow(bar, [1.0]).steps
     solve, tried = IncrementSolver.solve, []
 
     def fails_at_first(self: IncrementSolver, increment: Increment) -> Converged:
@@ -336,7 +324,7 @@ def test_a_path_that_loses_its_stability_on_the_way_says_that_it_was_not_followe
         return solve(self, increment)
 
     monkeypatch.setattr(IncrementSolver, "solve", fails_at_first)
-    (halved,) = follow(bar, [1.0]).steps
+    (halved,) = fem.follow(bar, [1.0]).steps
     np.testing.assert_allclose(halved.displacement, at_once.displacement, atol=1e-6)
     assert (at_once.negative_pivots, halved.negative_pivots) == (2, 2)
     assert [reason.code for reason in at_once.instability] == ["unstable"]

@@ -4,20 +4,6 @@ import numpy as np
 import pytest
 
 import fem
-from fem import (
-    Fixed,
-    Gravity,
-    Hencky,
-    Model,
-    MooneyRivlin,
-    NeoHooke,
-    NewtonOptions,
-    Ogden,
-    PathOptions,
-    StVenantKirchhoff,
-    Yeoh,
-    follow,
-)
 from fem.kernels.tensors import difference_of_powers, log_of_ratio
 from fem.materials import Constant
 from fem.materials.hencky import divided_difference
@@ -71,13 +57,13 @@ def test_every_law_of_the_configuration_is_tested_here() -> None:
 
 
 def test_the_kinds_of_constants_are_those_of_the_fields() -> None:
-    assert MooneyRivlin.constants() == {
+    assert fem.MooneyRivlin.constants() == {
         "c10": Constant.STRESS,
         "c01": Constant.STRESS,
         "kappa": Constant.POSITIVE_STRESS,
     }
-    assert Hencky.constants() == {"E": Constant.POSITIVE_STRESS, "nu": Constant.POISSON_RATIO}
-    assert Ogden.constants() == {
+    assert fem.Hencky.constants() == {"E": Constant.POSITIVE_STRESS, "nu": Constant.POISSON_RATIO}
+    assert fem.Ogden.constants() == {
         "mu": Constant.STRESSES,
         "alpha": Constant.EXPONENTS,
         "kappa": Constant.POSITIVE_STRESS,
@@ -119,9 +105,12 @@ def test_at_rest_the_stress_is_exactly_zero(digits: int) -> None:
     """Not only to rounding: with nothing else in the balance Newton's method cannot tell rounding from a load."""
     share = digits / 40
     laws = (
-        *(StVenantKirchhoff(E=share, nu=0.45), Hencky(E=share, nu=0.45), NeoHooke(mu=share, kappa=3.0)),
-        *(MooneyRivlin(c10=0.15, c01=share, kappa=3.0), Yeoh(c10=share, c20=share / 7, c30=share / 30, kappa=3.0)),
-        Ogden(mu=(share, share / 7, -share / 30), alpha=(1.3, 5.0, -2.0), kappa=3.0),
+        *(fem.StVenantKirchhoff(E=share, nu=0.45), fem.Hencky(E=share, nu=0.45), fem.NeoHooke(mu=share, kappa=3.0)),
+        *(
+            fem.MooneyRivlin(c10=0.15, c01=share, kappa=3.0),
+            fem.Yeoh(c10=share, c20=share / 7, c30=share / 30, kappa=3.0),
+        ),
+        fem.Ogden(mu=(share, share / 7, -share / 30), alpha=(1.3, 5.0, -2.0), kappa=3.0),
     )
     rest = np.zeros((1, 1, 6))
     for law in laws:
@@ -186,8 +175,8 @@ def test_a_pure_volume_change_depends_on_the_bulk_modulus_alone() -> None:
 
 def test_mooney_rivlin_and_yeoh_contain_neo_hooke() -> None:
     strain = strains(0.2)
-    neo = NeoHooke(mu=0.4, kappa=3.0).shear(strain)
-    for other in (MooneyRivlin(0.2, 0.0, 3.0), Yeoh(0.2, 0.0, 0.0, 3.0)):
+    neo = fem.NeoHooke(mu=0.4, kappa=3.0).shear(strain)
+    for other in (fem.MooneyRivlin(0.2, 0.0, 3.0), fem.Yeoh(0.2, 0.0, 0.0, 3.0)):
         response = other.shear(strain)
         np.testing.assert_allclose(response.stress, neo.stress, atol=1e-14)
         np.testing.assert_allclose(response.tangent, neo.tangent, atol=1e-13)
@@ -197,13 +186,13 @@ def test_mooney_rivlin_and_yeoh_contain_neo_hooke() -> None:
 @pytest.mark.parametrize(
     ("ogden", "other"),
     [
-        (Ogden((0.4,), (2.0,), 3.0), NeoHooke(0.4, 3.0)),
-        (Ogden((0.3, -0.1), (2.0, -2.0), 3.0), MooneyRivlin(0.15, 0.05, 3.0)),
-        (Ogden((0.1, 0.2, -0.1), (2.0, 2.0, -2.0), 3.0), MooneyRivlin(0.15, 0.05, 3.0)),
+        (fem.Ogden((0.4,), (2.0,), 3.0), fem.NeoHooke(0.4, 3.0)),
+        (fem.Ogden((0.3, -0.1), (2.0, -2.0), 3.0), fem.MooneyRivlin(0.15, 0.05, 3.0)),
+        (fem.Ogden((0.1, 0.2, -0.1), (2.0, 2.0, -2.0), 3.0), fem.MooneyRivlin(0.15, 0.05, 3.0)),
     ],
     ids=["neo-Hooke", "Mooney-Rivlin", "a term in two parts"],
 )
-def test_ogden_contains_neo_hooke_and_mooney_rivlin(ogden: Ogden, other: fem.Material, strain: Array) -> None:
+def test_ogden_contains_neo_hooke_and_mooney_rivlin(ogden: fem.Ogden, other: fem.Material, strain: Array) -> None:
     for part in ("shear", "volumetric"):
         computed, expected = getattr(ogden, part)(strain), getattr(other, part)(strain)
         np.testing.assert_allclose(computed.energy, expected.energy, atol=1e-13)
@@ -227,7 +216,7 @@ def test_differences_of_powers_of_close_and_of_equal_numbers() -> None:
     np.testing.assert_allclose(differences(y, y, -0.35), -0.35 * 1.3**-1.35, rtol=1e-15)
 
 
-def log_hessian(law: Ogden, stretches: Array) -> Array:
+def log_hessian(law: fem.Ogden, stretches: Array) -> Array:
     """(2, 2) second derivative of psi by the logarithms of two principal stretches, the third following from J = 1."""
     weight = sum(mu * a * stretches**a for mu, a in law.terms)
     return np.array([[weight[0] + weight[2], weight[2]], [weight[2], weight[1] + weight[2]]])
@@ -235,8 +224,8 @@ def log_hessian(law: Ogden, stretches: Array) -> Array:
 
 def test_ogden_is_stable_at_every_strain_where_all_products_are_positive() -> None:
     """Drucker: more stress for more strain, so the second derivative is positive definite in all states."""
-    stable, unstable = LAWS["ogden"], Ogden((0.4, 0.02), (2.0, -4.0), 3.0)
-    assert isinstance(stable, Ogden)
+    stable, unstable = LAWS["ogden"], fem.Ogden((0.4, 0.02), (2.0, -4.0), 3.0)
+    assert isinstance(stable, fem.Ogden)
     logs = np.random.default_rng(3).normal(scale=1.0, size=(500, 2))
     states = np.exp(np.column_stack([logs, -logs.sum(axis=1)]))
     lowest = {law: min(np.linalg.eigvalsh(log_hessian(law, s))[0] for s in states) for law in (stable, unstable)}
@@ -299,8 +288,8 @@ def test_stretch_limits() -> None:
     assert LAWS["hencky"].stretch_limits == pytest.approx((0.0, np.e))
     assert LAWS["neo_hooke"].stretch_limits == (0.0, np.inf)
     assert LAWS["mooney_rivlin"].stretch_limits == (0.0, np.inf)
-    assert Yeoh(0.11, 0.02, 0.0, 5.0).stretch_limits == (0.0, np.inf)
-    low, high = Yeoh(0.11, -0.02, 0.0, 5.0).stretch_limits
+    assert fem.Yeoh(0.11, 0.02, 0.0, 5.0).stretch_limits == (0.0, np.inf)
+    low, high = fem.Yeoh(0.11, -0.02, 0.0, 5.0).stretch_limits
     assert 0.1 < low < 1 < high < 3
     _, top = stable_range(lambda stretch: np.log(stretch) / stretch)
     assert top == pytest.approx(np.e, rel=2e-3)
@@ -311,13 +300,13 @@ def test_stretch_limits() -> None:
 def test_a_bent_beam_of_every_law_is_solved_in_one_increment(name: str, formulation: str) -> None:
     """Newton carries strain and stress of every law, so a beam bent by a third of its length takes one increment."""
     law = LAWS[name]
-    weight = Gravity(2.7e-7 * law.shear_modulus)
-    model = Model(box((6, 1, 1), (8.0, 1.0, 1.0)), law, [Fixed("left")], [weight], formulation)
-    step = follow(model, [1.0], PathOptions(NewtonOptions(tolerance=1e-10))).steps[0]
+    weight = fem.Gravity(2.7e-7 * law.shear_modulus)
+    model = fem.Model(box((6, 1, 1), (8.0, 1.0, 1.0)), law, [fem.Fixed("left")], [weight], formulation)
+    step = fem.follow(model, [1.0], fem.PathOptions(fem.NewtonOptions(tolerance=1e-10))).steps[0]
     tip = step.displacement[step.space.surface("right").unique_nodes].mean(axis=0)
     assert -7.0 < tip[1] < -2.0
     assert step.cutbacks == 0
     assert step.factorizations <= 12
-    many = follow(model, [0.3, 0.6, 1.0], PathOptions(NewtonOptions(tolerance=1e-10))).steps[-1]
+    many = fem.follow(model, [0.3, 0.6, 1.0], fem.PathOptions(fem.NewtonOptions(tolerance=1e-10))).steps[-1]
     np.testing.assert_allclose(step.displacement, many.displacement, atol=1e-7)
     np.testing.assert_allclose(step.stress, many.stress, atol=1e-7)

@@ -5,19 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fem import (
-    Fixed,
-    Gravity,
-    Model,
-    NewtonOptions,
-    PathObserver,
-    PathOptions,
-    Prescribed,
-    Pressure,
-    SelfContact,
-    StrainLimitingLayer,
-    follow,
-)
+import fem
 from fem.elements import ELEMENTS
 from fem.equations.linear import SuperLU
 from fem.equations.system import System
@@ -27,15 +15,15 @@ from tests.bodies import difference, fork, hollow_box
 from tests.laws import LAWS
 
 
-def layer(mesh: Mesh) -> StrainLimitingLayer:
-    return StrainLimitingLayer(mesh.plane(1, 1.0), thickness=0.05, E=20.0, nu=0.3)
+def layer(mesh: Mesh) -> fem.StrainLimitingLayer:
+    return fem.StrainLimitingLayer(mesh.plane(1, 1.0), thickness=0.05, E=20.0, nu=0.3)
 
 
 def loaded_box(law: str, formulation: str) -> System:
     """A closed cavity under pressure in a heavy box with a layer; nothing holds it."""
     mesh = hollow_box(half=False)
-    effects = [Pressure("cavity", 0.2), Gravity(1.13e-5), layer(mesh)]
-    return Model(mesh, LAWS[law], [], effects, formulation).system(SuperLU)
+    effects = [fem.Pressure("cavity", 0.2), fem.Gravity(1.13e-5), layer(mesh)]
+    return fem.Model(mesh, LAWS[law], [], effects, formulation).system(SuperLU)
 
 
 def force(system: System, u: Array) -> Array:
@@ -70,7 +58,7 @@ def test_force_and_tangent_are_derivatives(law: str, formulation: str) -> None:
     np.testing.assert_allclose(upper_triangle_times(system, data, du), change, atol=tolerance)
 
 
-def orders(model: Model) -> list[float]:
+def orders(model: fem.Model) -> list[float]:
     """How many times as many digits each of the last iterations has: 2 where Newton is quadratic, 1 where it creeps."""
     seen: list[float] = []
 
@@ -79,7 +67,7 @@ def orders(model: Model) -> list[float]:
             seen.clear()
         seen.append(residual)
 
-    follow(model, [1.0], PathOptions(NewtonOptions(tolerance=1e-11)), PathObserver(watch))
+    fem.follow(model, [1.0], fem.PathOptions(fem.NewtonOptions(tolerance=1e-11)), fem.PathObserver(watch))
     near = [residual for residual in seen if 1e-12 < residual < 0.02]
     return [float(np.log(after) / np.log(before)) for before, after in pairwise(near)]
 
@@ -89,8 +77,8 @@ def orders(model: Model) -> list[float]:
 def test_newton_ends_quadratically(law: str, formulation: str) -> None:
     """With a tangent that is wrong anywhere the order would be 1. Measured: 1.97 to 2.6."""
     mesh = hollow_box(half=False)
-    effects = [Pressure("cavity", 0.1), Gravity(1e-6), layer(mesh)]
-    rates = orders(Model(mesh, LAWS[law], [Fixed("clamp")], effects, formulation))
+    effects = [fem.Pressure("cavity", 0.1), fem.Gravity(1e-6), layer(mesh)]
+    rates = orders(fem.Model(mesh, LAWS[law], [fem.Fixed("clamp")], effects, formulation))
     assert rates
     assert min(rates) > 1.8
 
@@ -99,7 +87,9 @@ def test_newton_ends_quadratically(law: str, formulation: str) -> None:
 def test_newton_ends_quadratically_in_contact(formulation: str) -> None:
     """The barrier bends so fast that the order grows slowly. Measured at the end: 1.56 to 2.0."""
     corners = np.array([[6.0, 0.0, 0.0], [6.0, 0.0, 1.0]])
-    press = [Prescribed(corners, "y", 0.25), Prescribed(corners + np.array([0.0, 2.4, 0.0]), "y", -0.25)]
-    model = Model(fork(0.4), LAWS["svk"], [Fixed("clamp"), *press], [SelfContact("prongs", dhat=0.1)], formulation)
+    press = [fem.Prescribed(corners, "y", 0.25), fem.Prescribed(corners + np.array([0.0, 2.4, 0.0]), "y", -0.25)]
+    model = fem.Model(
+        fork(0.4), LAWS["svk"], [fem.Fixed("clamp"), *press], [fem.SelfContact("prongs", dhat=0.1)], formulation
+    )
     rates = orders(model)
     assert rates[-1] > 1.5

@@ -7,18 +7,9 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
 
+import rod
 from geometry import Centreline
 from geometry.arrays import Array
-from rod import (
-    PARAMETER_NAMES,
-    Bootstrap,
-    Load,
-    cell_averaged,
-    end_displacement_closure,
-    identify,
-    moment_between,
-    without_stretch,
-)
 
 DATA = Path(__file__).parent.parent / "data"
 
@@ -28,7 +19,7 @@ class Arm(NamedTuple):
 
     file: str
     rows_before: int  #: the numbers
-    load: Load  #: on the end in III
+    load: rod.Load  #: on the end in III
     pitch: float  #: mm
     every: int = 1  #: how many rows are read as one
 
@@ -37,8 +28,8 @@ class Arm(NamedTuple):
 
 
 ARMS = [
-    Arm("pneunet_seven_chambers_37kPa.csv", 1, Load((0.0, 0.1388029421)), 10.0),
-    Arm("semicircular_single_37kPa.csv", 4, Load((0.0, 0.0177597378), 0.0447686944), 108.0 / 11, 3),
+    Arm("pneunet_seven_chambers_37kPa.csv", 1, rod.Load((0.0, 0.1388029421)), 10.0),
+    Arm("semicircular_single_37kPa.csv", 4, rod.Load((0.0, 0.0177597378), 0.0447686944), 108.0 / 11, 3),
 ]
 
 
@@ -48,11 +39,11 @@ def estimated(arm: Arm, rounding: float = 0.0) -> Array:
     noise = rounding * np.random.default_rng(7).standard_normal((4, len(s)))
     x_free, y_free, x, y = np.array(columns[:4]) + noise
     curves, load, pitch = (Centreline(s, x_free, y_free), Centreline(s, x, y)), arm.load, arm.pitch
-    moment = moment_between(*(without_stretch(curve) for curve in curves), load)
-    closure = end_displacement_closure(*curves, load)
-    averaged = (cell_averaged(curve, pitch) for curve in curves)
-    identified = identify(*averaged, moment, closure, bootstrap=Bootstrap(50))
-    intervals = [getattr(identified, name) for name in PARAMETER_NAMES] + [identified.single_line.alpha]
+    moment = rod.moment_between(*(rod.without_stretch(curve) for curve in curves), load)
+    closure = rod.end_displacement_closure(*curves, load)
+    averaged = (rod.cell_averaged(curve, pitch) for curve in curves)
+    identified = rod.identify(*averaged, moment, closure, bootstrap=rod.Bootstrap(50))
+    intervals = [getattr(identified, name) for name in rod.PARAMETER_NAMES] + [identified.single_line.alpha]
     return np.array([(interval.value, interval.std) for interval in intervals])
 
 

@@ -14,25 +14,14 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq, minimize
 
-from fem import (
-    Fixed,
-    Model,
-    NeoHooke,
-    NotConverged,
-    Ogden,
-    Prescribed,
-    Pressure,
-    StVenantKirchhoff,
-    follow,
-    follow_volume,
-)
+import fem
 from fem.effects.loads import enclosed_volume
 from geometry import Mesh
 from geometry.arrays import Array
 from tests.bodies import box
 from tests.verification.test_thick_walls import SPHERE, sphere
 
-RUBBER = NeoHooke(1.0, 1000.0)
+RUBBER = fem.NeoHooke(1.0, 1000.0)
 #: laws of Ogden by terms (mu in MPa, alpha): the pressure of a ball has a maximum, with the last ones a minimum too
 NEO_HOOKE, SOFTER, STIFFENING = ((1.0, 2.0),), ((1.0, 1.5),), ((1.0, 1.5), (4e-3, 6.0))
 
@@ -65,10 +54,10 @@ def pressure(stretch: float, outer: float, terms: Sequence[tuple[float, float]] 
 def inflated(outer: float, around: int, through: int, stretches: list[float], formulation: str):
     """Steps at the given stretches of the inner wall, and the pressures they need over the closed form's."""
     mesh = shell(outer, around, through)
-    model = Model(mesh, RUBBER, SPHERE, [Pressure("left", 1.0)], formulation)
+    model = fem.Model(mesh, RUBBER, SPHERE, [fem.Pressure("left", 1.0)], formulation)
     rest = model.system().rest_state().displacement
     empty = enclosed_volume(model.space.surface("left"), model.space.points + rest)
-    solution = follow_volume(model, "left", [empty * stretch**3 for stretch in stretches])
+    solution = fem.follow_volume(model, "left", [empty * stretch**3 for stretch in stretches])
     return solution, [step.factor / pressure(s, outer) for step, s in zip(solution.steps, stretches, strict=True)]
 
 
@@ -77,9 +66,9 @@ def test_a_thick_sphere_through_the_maximum_and_the_minimum_of_its_pressure(term
     """Measured: 0.05 % at the most."""
     outer, stretches = 1.5, [1.3, 1.6, 2.2, 3.0, 3.5, 4.2]
     mu, alpha = zip(*terms, strict=True)
-    model = Model(shell(outer, 3, 2), Ogden(mu, alpha, 1e4), SPHERE, [Pressure("left", 1.0)], "mixed")
+    model = fem.Model(shell(outer, 3, 2), fem.Ogden(mu, alpha, 1e4), SPHERE, [fem.Pressure("left", 1.0)], "mixed")
     empty = enclosed_volume(model.space.surface("left"), model.space.points)
-    pressures = [step.factor for step in follow_volume(model, "left", [empty * s**3 for s in stretches]).steps]
+    pressures = [step.factor for step in fem.follow_volume(model, "left", [empty * s**3 for s in stretches]).steps]
     closed = [pressure(s, outer, terms) for s in stretches]
     np.testing.assert_allclose(pressures, closed, rtol=0.002)
     assert max(closed) == closed[1]
@@ -111,9 +100,9 @@ def test_a_thin_balloon_through_its_largest_pressure() -> None:
     largest = max(step.factor for step in solution.steps)
     assert solution.steps[-1].factor < 0.9 * largest
     # with the pressure prescribed there is nothing beyond, and the softest motion is the balloon's own
-    model = Model(shell(outer, 4, 1), RUBBER, SPHERE, [Pressure("left", 1.0)], "mixed")
-    with pytest.raises(NotConverged, match="limit point") as caught:
-        follow(model, [0.9 * largest, 1.02 * largest])
+    model = fem.Model(shell(outer, 4, 1), RUBBER, SPHERE, [fem.Pressure("left", 1.0)], "mixed")
+    with pytest.raises(fem.NotConverged, match="limit point") as caught:
+        fem.follow(model, [0.9 * largest, 1.02 * largest])
     assert [step.factor for step in caught.value.partial.steps] == [0.9 * largest]
 
 
@@ -158,8 +147,8 @@ def test_the_snap_through_of_a_shallow_arch() -> None:
         span, thickness, lowered = 20.0, rise / 2, rise * np.linspace(0.1, 2.2, 15)
         mesh = arch(span, rise, thickness)
         middle = mesh.points[(np.abs(mesh.points[:, 0] - span / 2) < 1e-9) & (mesh.points[:, 1] < rise + 1e-9)]
-        supports = [Fixed("left"), Fixed("right", "x"), Prescribed(middle, "y", -1.0)]
-        solution = follow(Model(mesh, StVenantKirchhoff(1.0, 0.0), supports, [], "p2"), list(lowered))
+        supports = [fem.Fixed("left"), fem.Fixed("right", "x"), fem.Prescribed(middle, "y", -1.0)]
+        solution = fem.follow(fem.Model(mesh, fem.StVenantKirchhoff(1.0, 0.0), supports, [], "p2"), list(lowered))
         force = np.array([-2 * step.reaction(middle)[1] for step in solution.steps])
         closed = arch_force(lowered, span, rise, thickness)
         before = lowered < rise

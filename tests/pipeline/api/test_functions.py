@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 import typer
-from typer.testing import CliRunner
 
 import pneurod
 from pipeline.api import options
 from pipeline.cli import app
 from pipeline.results.files import read_results
 from tests.coarse import COARSE, copy_with
+from tests.commands import done
 
 COMMANDS = typer.main.get_command(app).commands  # type: ignore[attr-defined]
 #: commands whose functions are called otherwise
@@ -43,8 +43,7 @@ def test_a_function_is_made_a_command_where_it_stands(monkeypatch: pytest.Monkey
 
 def test_a_rod_of_a_folder_and_the_pressure_for_a_wish() -> None:
     found = pneurod.shape(COARSE, "31 kPa", force="[0 N, 0.01 N]", rod="five")
-    shown = CliRunner().invoke(app, ["rod", str(COARSE), "--pressure", "31 kPa", "--force", "[0 N, 0.01 N]"])
-    assert shown.exit_code == 0
+    done("rod", str(COARSE), "--pressure", "31 kPa", "--force", "[0 N, 0.01 N]")
     assert found.shape.force[1] == pytest.approx(0.01)
     wished = pneurod.solve(str(COARSE), angle="90 deg", rod="five").solutions
     assert wished[0].angle_deg == pytest.approx(90.0)

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import pytest
 import typer
-from typer.testing import CliRunner, Result
 
 from pipeline import doctor
 from pipeline.cli import app
@@ -29,6 +28,7 @@ from pipeline.values.errors import RunFailed
 from pipeline.values.table import Table
 from tests.coarse import COARSE as DATA
 from tests.coarse import copy_with
+from tests.commands import call, done, refused
 
 Task = Callable[[object, Path, int, bool, Progress], object]
 
@@ -50,23 +50,9 @@ def replace_run(monkeypatch: pytest.MonkeyPatch) -> Callable[[Task], None]:
     return put
 
 
-def call(*arguments: str) -> Result:
-    return CliRunner().invoke(app, list(arguments))
-
-
-def sentence(result: Result, status: int) -> str:
-    """The one sentence on stderr of a command that ended with `status`."""
-    assert result.exit_code == status, result.output
-    lines = result.stderr.splitlines()
-    assert len(lines) == 1, lines
-    assert lines[0].startswith("pneurod: ")
-    return lines[0].removeprefix("pneurod: ")
-
-
 @pytest.mark.parametrize("name", [command.name or command.callback.__name__ for command in app.registered_commands])
 def test_the_help_of_a_command_is_shown_in_full(name: str) -> None:
-    shown = CliRunner().invoke(app, [name, "--help"], env={"COLUMNS": "300"}).stdout
-    words = " ".join(shown.split())
+    words = " ".join(done(name, "--help").split())
     command = typer.main.get_command(app).commands[name]
     texts = [command.help, *(parameter.help for parameter in command.params if parameter.help)]
     assert [text for text in texts if " ".join(text.split()) not in words] == []
@@ -83,8 +69,7 @@ def test_the_help_of_a_command_is_shown_in_full(name: str) -> None:
     ],
 )
 def test_the_help_shows_the_defaults_that_the_program_finds(name: str, default: str) -> None:
-    shown = CliRunner().invoke(app, [name, "--help"], env={"COLUMNS": "300"}).stdout
-    assert f"(default: {default})" in " ".join(shown.split())
+    assert f"(default: {default})" in " ".join(done(name, "--help").split())
 
 
 def test_run_passes_its_options_on(replace_run: Callable[[Task], None], coarse: str, tmp_path: Path) -> None:
@@ -142,13 +127,13 @@ def test_the_verdict_of_a_failed_run_is_shown_before_the_reason(
 
     replace_run(lambda *arguments: types.SimpleNamespace(results=read_results(results)))
     result = call("run", coarse, "--out", str(results), "-q")
-    assert sentence(result, 1) == f"{reason}: a limit point at 41 kPa. What was reached is in {results}."
+    told = f"pneurod: {reason}: a limit point at 41 kPa. What was reached is in {results}.\n"
+    assert (result.exit_code, result.stderr) == (1, told)
     assert result.stdout.count("a limit point at 41 kPa") == 1
 
 
 def test_the_version() -> None:
-    result = call("--version")
-    assert (result.exit_code, result.stdout) == (0, f"pneurod {metadata.version('pneurod')}\n")
+    assert done("--version") == f"pneurod {metadata.version('pneurod')}\n"
 
 
 def test_wrong_input_in_a_process_of_its_own(coarse: str) -> None:
@@ -194,15 +179,14 @@ def test_a_failed_run_ends_with_a_sentence(
     replace_run: Callable[[Task], None], coarse: str, tmp_path: Path, error: BaseException, status: int, message: str
 ) -> None:
     replace_run(raising(error))
-    assert sentence(call("run", coarse, "--out", str(tmp_path)), status).startswith(message)
+    assert refused("run", coarse, "--out", str(tmp_path), status=status).startswith(message)
 
 
 def test_mesh_writes_the_body_and_its_quality(coarse: str, tmp_path: Path) -> None:
     settings = ("geometry.chambers=2", "mesh.size=5 mm", "mesh.formulation=auto")
-    result = call("mesh", coarse, "--out", str(tmp_path), *(word for given in settings for word in ("--set", given)))
-    assert result.exit_code == 0, result.stderr
+    printed = done("mesh", coarse, "--out", str(tmp_path), *(word for given in settings for word in ("--set", given)))
     assert (tmp_path / "mesh.vtu").stat().st_size > 1000
-    output = " ".join(result.stdout.split())
+    output = " ".join(printed.split())
     for text in ("22 mm", "from the drawing", "radius ratio", "tetrahedra", "five parameters need an arm of 65 mm"):
         assert text in output
     assert "material svk, Young's modulus 1.2 MPa at rest" in output
@@ -212,12 +196,11 @@ def test_mesh_writes_the_body_and_its_quality(coarse: str, tmp_path: Path) -> No
 
 def test_mesh_names_the_volume_of_every_cavity(configs: Path, tmp_path: Path) -> None:
     config = str(configs / "bisected_circle_coarse.yaml")
-    result = call("mesh", config, "--out", str(tmp_path), "--set", "geometry.length=40 mm", "--set", "mesh.size=6 mm")
-    assert result.exit_code == 0, result.stderr
+    printed = done("mesh", config, "--out", str(tmp_path), "--set", "geometry.length=40 mm", "--set", "mesh.size=6 mm")
     design = load_config(config, ["geometry.length=40 mm"]).design
     assert len(design.cavities) == 2
     for name, drawn in design.cavity_volumes.items():
-        (line,) = [line for line in result.stdout.splitlines() if line.startswith(f"{name} ")]
+        (line,) = [line for line in printed.splitlines() if line.startswith(f"{name} ")]
         assert line.rstrip().endswith(f"mm3 in the full body; from the drawing {drawn:.7g}")
 
 
@@ -228,7 +211,7 @@ def test_mesh_does_not_replace_the_body_of_another_configuration(
     with open_store(tmp_path, load_config(coarse)) as store:
         store.save_json("law.json", {})
     monkeypatch.setattr("pipeline.simulate.scene.Scene.meshed", lambda config: pytest.fail("it is meshed"))
-    message = sentence(call("mesh", coarse, "--out", str(tmp_path), "--set", "geometry.chambers=2"), 2)
+    message = refused("mesh", coarse, "--out", str(tmp_path), "--set", "geometry.chambers=2")
     assert message.endswith("holds the results of a run with another configuration; give another --out")
     assert not (tmp_path / "mesh.vtu").exists()
 
@@ -265,20 +248,20 @@ def test_a_place_that_cannot_be_written_is_named(
     given = {"CONFIG": coarse, "RESULTS": str(DATA), "RESULTS/parameters.json": str(DATA / "parameters.json")}
     arguments = [given.get(argument, argument) for argument in WRITING[command]]
     for out in (tmp_path / "file" / "out", tmp_path / "file" / "out" / "deeper"):
-        message = sentence(call(*arguments, "--out", str(out)), 2)
+        message = refused(*arguments, "--out", str(out))
         assert message.startswith(f"--out {tmp_path / 'file'}")
         assert message.endswith(f"cannot be written ({tmp_path / 'file'} is a file); give a folder you may write to")
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
 def test_a_file_is_not_written_over_a_folder_and_its_folder_is_made(tmp_path: Path) -> None:
-    assert sentence(call("init", "--force", "--out", str(tmp_path)), 2) == f"--out {tmp_path}: is a folder; give a file"
-    assert call("init", "--out", str(tmp_path / "new" / "arm.yaml")).exit_code == 0
+    assert refused("init", "--force", "--out", str(tmp_path)) == f"--out {tmp_path}: is a folder; give a file"
+    done("init", "--out", str(tmp_path / "new" / "arm.yaml"))
     assert (tmp_path / "new" / "arm.yaml").is_file()
 
 
 def test_export_of_a_missing_folder_makes_none(tmp_path: Path) -> None:
-    message = sentence(call("export", str(tmp_path / "typo"), "--to", "csv"), 2)
+    message = refused("export", str(tmp_path / "typo"), "--to", "csv")
     assert message.startswith(f"{tmp_path / 'typo'}: no such folder")
     assert not (tmp_path / "typo").exists()
 
@@ -300,8 +283,8 @@ def test_doctor_names_the_one_command(monkeypatch: pytest.MonkeyPatch) -> None:
         Finding("numpy", False, "not installed", "make setup"),
     ]
     monkeypatch.setattr(doctor, "examine", lambda: findings)
-    message = sentence(call("doctor"), 1)
-    assert message == "something is missing; to mend it: apt-get install -y libglu1-mesa && make setup"
+    mends = "apt-get install -y libglu1-mesa && make setup"
+    assert refused("doctor", status=1) == f"something is missing; to mend it: {mends}"
 
 
 def test_doctor_tells_a_missing_system_library_from_a_missing_package(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,18 +8,17 @@ from typing import Annotated
 
 import pytest
 import yaml
-from typer.testing import CliRunner
 
 from fem.materials import LAWS, NeoHooke
 from fem.materials.material import PositiveStress
 from geometry import FAMILIES, CadFile, MeshFile, SurfaceFile
-from pipeline.cli import app
 from pipeline.config.body import BODIES, OWN
 from pipeline.config.example import RUBBER, example
 from pipeline.config.load import load_config
 from pipeline.config.reference import REQUIRED, effect_keys, general_keys, geometry_keys, material_keys
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.too_short import too_short
+from tests.commands import done, refused
 
 PAGE = Path(__file__).resolve().parent.parent.parent.parent / "docs" / "configuration.md"
 #: what writes the tables of the page
@@ -81,8 +80,7 @@ def test_every_key_says_what_it_means() -> None:
 def test_init_writes_a_configuration_that_is_meshed(family: str, tmp_path: Path, configs: Path) -> None:
     (tmp_path / "finger.step").write_bytes((configs / "finger.step").read_bytes())
     file = tmp_path / "arm.yaml"
-    result = CliRunner().invoke(app, ["init", family, "--out", str(file)])
-    assert result.exit_code == 0, result.stderr
+    done("init", family, "--out", str(file))
     config = load_config(file, ["mesh.size=6 mm"])
     assert config.name == f"my_{family}"
     assert config.material.name == RUBBER
@@ -133,14 +131,12 @@ def test_a_line_with_a_value_that_is_no_default_says_so(family: str) -> None:
 
 
 def test_the_help_of_init_names_all_families() -> None:
-    printed = CliRunner().invoke(app, ["init", "--help"], env={"COLUMNS": "200"}).stdout
-    assert ", ".join(BODIES) in " ".join(printed.split())
+    assert ", ".join(BODIES) in " ".join(done("init", "--help").split())
 
 
 def test_init_replaces_no_file(tmp_path: Path) -> None:
     file = tmp_path / "arm.yaml"
     file.write_text("mine")
-    refused = CliRunner().invoke(app, ["init", "--out", str(file)])
-    assert (refused.exit_code, file.read_text()) == (2, "mine")
-    assert "--force" in refused.stderr
-    assert CliRunner().invoke(app, ["init", "--out", str(file), "--force"]).exit_code == 0
+    assert "--force" in refused("init", "--out", str(file))
+    assert file.read_text() == "mine"
+    done("init", "--out", str(file), "--force")

@@ -9,13 +9,11 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import pneurod
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from geometry import Reason
 from pipeline.answers.rods.solid import solid_of
-from pipeline.cli import app
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.law import cells, meshes
@@ -36,6 +34,7 @@ from pipeline.store.progress import Progress, Silent
 from pipeline.store.store import open_store
 from pipeline.values.law import Unloaded
 from tests.coarse import COARSE
+from tests.commands import done, refused
 
 CONFIGS = Path(__file__).resolve().parent.parent.parent.parent / "configs"
 ARM = ["geometry.chambers=4", "pressures=[6 kPa, 9 kPa]", "mesh.size=6 mm", "accuracy=off"]
@@ -222,32 +221,26 @@ def test_a_pressure_that_the_cell_does_not_bear_is_named_and_the_law_below_it_st
 
 def test_the_rod_command_reads_the_law(report: LawReport[MeasuredLaw], tmp_path: Path) -> None:
     file = str(report.directory / "law.json")
-    call = CliRunner().invoke(
-        app, ["rod", file, "--pressure", "8 kPa", "--end-y", "0 mm", "--out", f"{tmp_path}/s.csv"]
-    )
-    assert call.exit_code == 0
-    assert "0.000 mm from the clamp" in call.stdout
+    printed = done("rod", file, "--pressure", "8 kPa", "--end-y", "0 mm", "--out", f"{tmp_path}/s.csv")
+    assert "0.000 mm from the clamp" in printed
     rows = np.loadtxt(tmp_path / "s.csv", delimiter=",", skiprows=1)
     assert rows[-1, 2] == pytest.approx(0.0, abs=1e-6)
-    outside = CliRunner().invoke(app, ["rod", file, "--pressure", "12 kPa"])
-    assert outside.exit_code == 2
-    assert "12 kPa is outside" in outside.stderr
+    assert "12 kPa is outside" in refused("rod", file, "--pressure", "12 kPa")
 
 
 def test_the_section_law_is_exported_as_a_table(report: LawReport[MeasuredLaw], tmp_path: Path) -> None:
     shutil.copy(report.directory / "law.json", tmp_path)
+    export = ("export", str(tmp_path), "--to")
     for target in ("csv", "json"):
-        assert CliRunner().invoke(app, ["export", str(tmp_path), "--to", target]).exit_code == 0
+        done(*export, target)
     (table,), (text,) = tmp_path.glob("law_*kPa.csv"), tmp_path.glob("law_*kPa.json")
     rows, content = np.genfromtxt(table, delimiter=",", names=True), json.loads(text.read_text(encoding="utf-8"))
     assert content["pressures_kPa"][-1] == 9.0
     last = rows[rows["pressure_kPa"] == 9.0]
     assert last["kappa_per_mm"] == pytest.approx(content["kappa_per_mm"][-1])
-    assert CliRunner().invoke(app, ["export", str(tmp_path), "--to", "csv", "--pressure", "8 kPa"]).exit_code == 0
+    done(*export, "csv", "--pressure", "8 kPa")
     assert (tmp_path / "law_8kPa.csv").is_file()
-    refused = CliRunner().invoke(app, ["export", str(tmp_path), "--to", "mujoco"])
-    assert refused.exit_code == 2
-    assert "has a law and no body, which mujoco needs; give the folder of `pneurod run`" in refused.stderr
+    assert "has a law and no body, which mujoco needs; give the folder of `pneurod run`" in refused(*export, "mujoco")
 
 
 def test_the_folder_of_a_cell_is_solved_and_exported(report: LawReport, tmp_path: Path) -> None:

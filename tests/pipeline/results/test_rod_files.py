@@ -7,13 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from pipeline.cli import app
 from pipeline.results.files import read_run
 from pipeline.results.laws import law_record
 from pipeline.values.formats import FORMAT
 from rod import FiveParameters, Rod
+from tests.commands import done, refused
 from tests.rod.arm_law.test_arm_law import law_of, straight_law
 
 LENGTH = 112.0
@@ -49,11 +48,6 @@ def parameters_in(folder: Path) -> Path:
     return folder
 
 
-def call(*arguments: str) -> tuple[int, str, str]:
-    result = CliRunner().invoke(app, list(arguments))
-    return result.exit_code, result.stdout, result.stderr
-
-
 def test_rod_between_two_pressures_has_the_means_of_the_numbers_and_a_rest_curvature_through_zero(
     results: Path,
 ) -> None:
@@ -75,43 +69,40 @@ def test_pressures_written_with_six_digits_are_those_of_the_file(results: Path) 
     law.parent.mkdir()
     law.write_text(json.dumps(law_record(law_of(straight_law(0.0), straight_law(2.75790291727, -0.02)))))
     for path, printed, exact in ((file, "2.7579", 2.75790291727), (file, "5.51581", 5.51580583453), (law, "2.7579", 0)):
-        code, out, _ = call("rod", str(path), "--pressure", f"{printed} kPa")
-        assert code == 0
+        out = done("rod", str(path), "--pressure", f"{printed} kPa")
         assert "polated" not in out
-        assert (exact == 0) or call("rod", str(path), "--pressure", f"{exact} kPa")[1] == out
-    assert call("export", str(results), "--to", "json", "--pressure", "5.51581 kPa")[0] == 0
+        assert (exact == 0) or done("rod", str(path), "--pressure", f"{exact} kPa") == out
+    done("export", str(results), "--to", "json", "--pressure", "5.51581 kPa")
     table = json.loads((results / "rod_5.51581kPa.json").read_text())
     assert (table["pressures_kPa"], table["origin"], table["d_mm_std"]) == ([5.51580583453], "identified", [0.2])
-    assert call("export", str(law.parent), "--to", "json", "--pressure", "2.7579 kPa")[0] == 0
+    done("export", str(law.parent), "--to", "json", "--pressure", "2.7579 kPa")
     assert json.loads((law.parent / "law_2.7579kPa.json").read_text())["pressures_kPa"] == [2.75790291727]
-    assert call("rod", str(file), "--pressure", "5.5159 kPa")[0] == 2
-    assert call("rod", str(law), "--pressure", "2.75795 kPa")[0] == 2
+    refused("rod", str(file), "--pressure", "5.5159 kPa")
+    refused("rod", str(law), "--pressure", "2.75795 kPa")
 
 
 def test_a_load_beyond_the_identified_moments_gets_a_warning(results: Path) -> None:
     file = results / "parameters.json"
     content = json.loads(file.read_text())
     file.write_text(json.dumps({**content, "moment_range_N_mm": [[0.2, 3.0], [0.4, 4.0]]}))
-    code, out, _ = call("rod", str(file), "--pressure", "17 kPa", "--force", "[0 N, 0.1 N]")
-    assert code == 0
+    at_low = ("rod", str(file), "--pressure", "17 kPa")
+    out = done(*at_low, "--force", "[0 N, 0.1 N]")
     assert "The moment leaves the 0.2 to 3 N mm" in out
-    tiny = call("rod", str(file), "--pressure", "17 kPa", "--force", "[0 N, 0.001 mN]")[1]
-    none = call("rod", str(file), "--pressure", "17 kPa")[1]
+    tiny, none = done(*at_low, "--force", "[0 N, 0.001 mN]"), done(*at_low)
     ends = [np.array(re.findall(r"[xy] = (-?[\d.]+) mm", text), float) for text in (tiny, none)]
     jump = np.linalg.norm(ends[0] - ends[1])
     assert jump > 0.5
     stated = float(tiny.split("the tip jumps by ")[1].split(" mm")[0])
     assert stated == pytest.approx(jump, rel=0.03)
     assert "the law is extrapolated there" in out
-    code, out, _ = call("rod", str(file), "--pressure", "27 kPa")
-    assert "The moment leaves" not in out
+    assert "The moment leaves" not in done("rod", str(file), "--pressure", "27 kPa")
 
 
 def test_files_that_interpolate_over_the_pressure_follow_the_cubics_of_the_rod(results: Path) -> None:
     springs = {}
     for pressure in ("17 kPa", "24.5 kPa", "37 kPa", "17_to_37kPa"):
         options = ("--pressure", pressure) if " " in pressure else ()
-        assert call("export", str(results), "--to", "pyelastica", *options)[0] == 0
+        done("export", str(results), "--to", "pyelastica", *options)
         program = runpy.run_path(str(results / f"rod_pyelastica_{pressure.replace(' ', '')}.py"))
         now = program["at"](float(pressure.split()[0]) if " " in pressure else 24.5)
         springs[pressure] = now["angle_rad"][program["TABLE"]["kind"], 0]
@@ -126,19 +117,18 @@ def test_an_arm_with_a_weight_does_not_become_straight_without_pressure(results:
     content["kappa_0"]["kappa_0_per_mm"] = [np.full(57, -0.012).tolist()] * 2
     content["kappa_0"]["theta0_rad"] = [0.0, 0.0]
     file.write_text(json.dumps(content | {"straight_without_pressure": False}))
-    ends = {re.findall(r"x = .* mm", call("rod", str(file), "--pressure", f"{p} kPa")[1])[0] for p in (17, 27, 37)}
+    ends = {re.findall(r"x = .* mm", done("rod", str(file), "--pressure", f"{p} kPa"))[0] for p in (17, 27, 37)}
     assert len(ends) == 1
     sentence = "do not apply that once more in the other program"
-    out = call("export", str(results), "--to", "json")[1]
-    assert f"{sentence}." in out
-    assert f"{sentence}, nor a pressure below those of the file" in call("export", str(results), "--to", "mujoco")[1]
+    assert f"{sentence}." in done("export", str(results), "--to", "json")
+    assert f"{sentence}, nor a pressure below those of the file" in done("export", str(results), "--to", "mujoco")
 
 
 def test_a_rod_carries_the_weight_of_its_arm(results: Path) -> None:
     """At rest it has the curvature that was measured under the weight; lifting it takes the weight off the clamp."""
     file = results / "parameters.json"
     command = ("rod", str(file), "--pressure", "37 kPa", "--force", "[0 N, 0.02 N]")
-    light = call(*command)[1]
+    light = done(*command)
     content = json.loads(file.read_text())
     file.write_text(json.dumps(content | {"weight_N_per_mm": [0.0, -0.001], "weight_height_mm": 5.0}))
     rods = read_run(file).parameters.rods()
@@ -147,14 +137,12 @@ def test_a_rod_carries_the_weight_of_its_arm(results: Path) -> None:
     alone = rod.solve()
     at_rest = np.interp(content["kappa_0"]["s_mm"], alone.s, alone.kappa)
     assert np.abs(at_rest - rest).max() < 0.02 * np.abs(rest).max()
-    code, out, _ = call(*command)
-    assert code == 0
+    out = done(*command)
     assert f"[0, {-0.001 * length:.5g}] N, which the rod carries besides" in out
     assert "carries" not in light
     assert out.splitlines()[1] != light.splitlines()[1]  # the end
-    code, out, _ = call("export", str(results), "--to", "csv")
-    assert code == 0
-    assert "The exported rod keeps the moments that its weight has without load" in out
+    csv = done("export", str(results), "--to", "csv")
+    assert "The exported rod keeps the moments that its weight has without load" in csv
 
 
 def test_numbers_that_were_not_identified_are_called_so(results: Path) -> None:
@@ -167,32 +155,27 @@ def test_numbers_that_were_not_identified_are_called_so(results: Path) -> None:
         (("--pressure", "17 kPa"), "identified"),
         (("--pressure", "27 kPa"), between),
     ):
-        code, out, _ = call("rod", file, *options)
-        assert code == 0
-        assert (origin in out) == (origin != "identified")
-        code, out, _ = call("export", str(results), "--to", "json", *options)
-        assert code == 0
+        assert (origin in done("rod", file, *options)) == (origin != "identified")
+        out = done("export", str(results), "--to", "json", *options)
         assert (f"are {origin}." in out) == (origin != "identified")
         table = json.loads((results / f"rod_{options[1].split()[0]}kPa.json").read_text())
         assert table["origin"] == origin
         assert ("alpha1_N_mm2_std" in table) == (origin == "identified")
-        assert call("export", str(results), "--to", "mujoco", *options)[0] == 0
+        done("export", str(results), "--to", "mujoco", *options)
         assert f"five parameters, {origin}, at" in (results / f"rod_mujoco_{options[1].split()[0]}kPa.xml").read_text()
 
 
 def test_an_end_beyond_the_reach_of_a_rod_that_stretches_is_named(tmp_path: Path) -> None:
     file = tmp_path / "law.json"
     file.write_text(json.dumps(law_record(law_of(straight_law(0.0), straight_law(20.0)))))
-    status, _, error = call("rod", str(file), "--pressure", "10 kPa", "--end-y", "300 mm")
-    assert status == 2
+    error = refused("rod", str(file), "--pressure", "10 kPa", "--end-y", "300 mm")
     assert "--end-y: is 300 mm away from the clamped end, but the arm is 110 mm long" in error
 
 
 def test_the_command_prints_the_end_and_writes_the_shape(results: Path) -> None:
     file = results / "shape.csv"
     loads = ("--pressure", "17 kPa", "--force", "[0 N, 0.02 N]", "--out", str(file))
-    code, out, _ = call("rod", str(results / "parameters.json"), *loads)
-    assert code == 0
+    out = done("rod", str(results / "parameters.json"), *loads)
     table = np.loadtxt(file, delimiter=",", skiprows=1)
     assert f"x = {table[-1, 1]:.3f} mm, y = {table[-1, 2]:.3f} mm" in out
     assert table[0, 5] == pytest.approx(table[-1, 1] * 0.02, rel=1e-6)  # M(0) = x(l) F_y for F_x = 0
@@ -200,17 +183,14 @@ def test_the_command_prints_the_end_and_writes_the_shape(results: Path) -> None:
 
 def test_other_files_are_rejected(tmp_path: Path) -> None:
     file = tmp_path / "parameters.json"
-    file.write_text("{}")
-    status, _, sentence = call("rod", str(file), "--pressure", "17 kPa")
-    assert status == 2
-    assert "has no rod; give the folder of a run, its parameters.json or its law.json" in sentence
     for text, problem in (
+        ("{}", "has no rod; give the folder of a run, its parameters.json or its law.json"),
         ("[{}]", "has no rod"),
         ("{", "line 1 is not JSON"),
         ('{"pressures_kPa": 3}', "must be a list"),
     ):
         file.write_text(text)
-        sentence = call("rod", str(file), "--pressure", "17 kPa")[2]
+        sentence = refused("rod", str(file), "--pressure", "17 kPa")
         assert problem in sentence
         assert not any(word in sentence for word in ("list indices", "char"))
 
@@ -235,30 +215,24 @@ def test_a_run_without_parameters_is_refused_with_its_reason(
     if run is not None:
         (results / "run.json").write_text(json.dumps(run))
     for command in (("rod", str(file), "--pressure", "10 kPa"), ("export", str(results), "--to", "csv")):
-        status, _, sentence = call(*command)
-        assert status == 2
-        assert sentence == f"pneurod: {results}: holds no parameters of a rod: {reason}\n"
+        assert refused(*command) == f"{results}: holds no parameters of a rod: {reason}"
 
 
 @pytest.mark.parametrize("target", ["csv", "json", "pyelastica", "mujoco", "somo", "sorosim"])
 def test_every_export_is_written_and_replaced_on_request_only(results: Path, tmp_path: Path, target: str) -> None:
     command = ("export", str(results), "--to", target, "--out", str(tmp_path / "files"))
-    status, out, _ = call(*command)
-    assert status == 0
-    files = [Path(line[9:]) for line in out.splitlines() if line.startswith("written: ")]
+    files = [Path(line[9:]) for line in done(*command).splitlines() if line.startswith("written: ")]
     assert files
     for file in files:
         assert file.parent == tmp_path / "files"
         assert "kPa" in file.name
         assert file.stat().st_size > 100
-    status, _, sentence = call(*command)
-    assert (status, "--force to replace it" in sentence) == (2, True)
-    assert call(*command, "--force")[0] == 0
+    assert "--force to replace it" in refused(*command)
+    done(*command, "--force")
 
 
 def test_an_export_at_one_pressure_has_it_in_its_name(results: Path, tmp_path: Path) -> None:
-    command = ("export", str(results), "--to", "json", "--out", str(tmp_path))
-    assert call(*command, "--pressure", "27 kPa")[0] == 0
+    done("export", str(results), "--to", "json", "--out", str(tmp_path), "--pressure", "27 kPa")
     assert json.loads((tmp_path / "rod_27kPa.json").read_text())["pressures_kPa"] == [27.0]
 
 
@@ -268,7 +242,7 @@ def test_standard_deviations_are_exported(results: Path, tmp_path: Path) -> None
     for key in ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm"):
         content[f"{key}_std"] = [0.5, 0.25]
     file.write_text(json.dumps(content))
-    assert call("export", str(results), "--to", "json", "--out", str(tmp_path / "files"))[0] == 0
+    done("export", str(results), "--to", "json", "--out", str(tmp_path / "files"))
     written = json.loads((tmp_path / "files" / "rod_17_to_37kPa.json").read_text())
     assert written["d_mm_std"] == [0.5, 0.25]
 
@@ -279,32 +253,28 @@ def test_without_a_mass_there_are_tables_and_no_dynamics(results: Path, tmp_path
     content["mass_g"] = content["material"]["density_tonne_mm3"] = None
     file.write_text(json.dumps(content))
     command = ("export", str(results), "--out", str(tmp_path), "--to")
-    assert call(*command, "json")[0] == 0
+    done(*command, "json")
     assert json.loads((tmp_path / "rod_17_to_37kPa.json").read_text())["mass_g"] is None
     for target in ("pyelastica", "mujoco", "somo", "sorosim"):
-        status, _, sentence = call(*command, target)
-        assert (status, "needs the mass of the arm" in sentence) == (2, True)
-    assert call("rod", str(file), "--pressure", "17 kPa")[0] == 0
+        assert "needs the mass of the arm" in refused(*command, target)
+    done("rod", str(file), "--pressure", "17 kPa")
 
 
 def test_the_angle_printed_is_the_rotation_of_the_end_section(results: Path) -> None:
     file = results / "parameters.json"
     shape = read_run(file).parameters.rods().at(37.0).solve(force=(0.0, 0.02))
-    code, out, _ = call("rod", str(file), "--pressure", "37 kPa", "--force", "[0 N, 0.02 N]")
-    assert code == 0
+    out = done("rod", str(file), "--pressure", "37 kPa", "--force", "[0 N, 0.02 N]")
     assert f"bends by             {shape.bending_deg:.2f}°" in out
     assert " rad" not in out
     assert f"{shape.end[1]:.3f} mm from the clamped end of the curve" in out
 
 
 def test_a_folder_and_a_file_in_the_wrong_place_are_named(results: Path) -> None:
-    assert call("rod", str(results), "--pressure", "17 kPa") == call(
-        "rod", str(results / "parameters.json"), "--pressure", "17 kPa"
-    )
-    status, _, sentence = call("rod", str(results), "--pressure", "17 kPa", "--rod", "law")
-    assert (status, "has no law.json, the arm's own law; take rod five" in sentence) == (2, True)
-    status, _, sentence = call("export", str(results / "parameters.json"), "--to", "csv")
-    assert status == 2
+    at_low = ("--pressure", "17 kPa")
+    assert done("rod", str(results), *at_low) == done("rod", str(results / "parameters.json"), *at_low)
+    sentence = refused("rod", str(results), *at_low, "--rod", "law")
+    assert "has no law.json, the arm's own law; take rod five" in sentence
+    sentence = refused("export", str(results / "parameters.json"), "--to", "csv")
     assert f"is a file; give the folder of the run, {results}" in sentence
 
 
@@ -312,12 +282,8 @@ def test_options_of_the_five_parameters_and_missing_parts_are_named_for_a_law(re
     file = results / "law.json"
     file.write_text(json.dumps(law_record(law_of(straight_law(0.0), straight_law(20.0, -0.01)))))
     command = ("rod", str(file), "--pressure", "10 kPa")
-    code, out, _ = call(*command, "--moment", "1.5 Nmm")
-    assert code == 0
-    assert "arm_law: the arm's own law" in out
-    status, _, sentence = call(*command, "--rod", "five")
-    assert (status, "holds no parameters of a rod" in sentence) == (2, True)
+    assert "arm_law: the arm's own law" in done(*command, "--moment", "1.5 Nmm")
+    assert "holds no parameters of a rod" in refused(*command, "--rod", "five")
     record = json.loads(file.read_text())
     file.write_text(json.dumps({key: value for key, value in record.items() if key != "curves"}))
-    status, _, sentence = call(*command)
-    assert (status, "curves: is missing" in sentence) == (2, True)
+    assert "curves: is missing" in refused(*command)

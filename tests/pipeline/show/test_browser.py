@@ -78,7 +78,7 @@ def browser() -> Iterator[Browser]:
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory, with_poses: None) -> Path:
+def report(tmp_path_factory: pytest.TempPathFactory, few_poses: None) -> Path:
     """The report on stored results of the coarse arm, with a bar for the body."""
     results = shutil.copytree(COARSE, tmp_path_factory.mktemp("results") / "arm")
     arrays = write_surfaces(results)

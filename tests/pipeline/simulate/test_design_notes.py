@@ -7,16 +7,15 @@ from typing import Any
 import meshio
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from geometry import Reason
-from pipeline.cli import app
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.identify.state_notes import _long_cells
 from pipeline.simulate.design_notes import check_design, check_load
 from pipeline.simulate.too_short import too_short
 from pipeline.values.reasons import render
+from tests.commands import call
 from tests.foreign_bodies import bar, meshed, two_chambers, write_mesh, write_surface
 from tests.step_bodies import save
 
@@ -155,7 +154,7 @@ def test_every_command_that_solves_tells_of_pressures_in_another_unit(
     for name in ("study.effects.study.compare_effects", "study.accuracy.run.run_study", "law.study.measure_any_law"):
         monkeypatch.setattr(f"pipeline.{name}", begins)
     setting, config = "pressures=[0.37 MPa]", CONFIGS / "pneunet_coarse.yaml"
-    result = CliRunner().invoke(app, [command, str(config), "--set", setting, "--out", str(tmp_path)])
+    result = call(command, str(config), "--set", setting, "--out", str(tmp_path))
     assert isinstance(result.exception, Begun) is (command != "mesh")
     (strong,) = check_load(load_config(config, [setting]))
     assert render(strong) in " ".join(result.output.split())

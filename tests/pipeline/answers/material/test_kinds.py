@@ -6,14 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import fem
 from geometry.arrays import Array
 from pipeline.answers.material.kinds import contradictions
 from pipeline.answers.material.laws import STATES
 from pipeline.answers.material.study import FitOptions, Material, fit_tests
-from pipeline.cli import app
+from tests.commands import done, refused
 
 MOSELEY = Path(__file__).parents[3] / "data" / "moseley"
 TRUTH = fem.Yeoh(0.06, 0.004, 0.0, 100.0)
@@ -77,19 +76,11 @@ def test_the_silicone_of_moseley(tmp_path: Path) -> None:
     (tmp_path / "authors.yaml").write_text(AUTHORS)
     files = [str(MOSELEY / "uniaxial.csv"), str(MOSELEY / "planar.csv")]
     out = tmp_path / "out"
-    result = CliRunner().invoke(
-        app,
-        ["material", *files, "--for", str(tmp_path / "authors.yaml"), "--out", str(out)],
-        env={"COLUMNS": "250"},
-    )
-    assert result.exit_code == 0, result.output
-    assert (
-        "The planar test is 1.5 times what any law says that describes the uniaxial one; one of them is wrong, or "
-        in (result.stdout)
-    )
-    assert "0.0067 MPa are taken away from every stress" in result.output
-    assert "loading 'last' is left out" in result.output
-    rows = {line.split()[0]: line for line in result.stdout.splitlines() if line.strip()}
+    printed = done("material", *files, "--for", str(tmp_path / "authors.yaml"), "--out", str(out))
+    assert "The planar test is 1.5 times what any law says that describes the uniaxial one; one of them is" in printed
+    assert "0.0067 MPa are taken away from every stress" in printed
+    assert "loading 'last' is left out" in printed
+    rows = {line.split()[0]: line for line in printed.splitlines() if line.strip()}
     given = numbers(rows["as"])
     assert given[:6] == pytest.approx([0.76, 0.78, 0.83, 1.10, 1.16, 1.25], abs=0.011)
     assert numbers(rows["tests"])[7] == pytest.approx(1.73, abs=0.011)
@@ -129,6 +120,4 @@ def test_laws_beyond_the_tests(tmp_path: Path) -> None:
 )
 def test_wrong_kinds(options: tuple[str, ...], complaint: str, tmp_path: Path) -> None:
     files = [str(file(tmp_path, state)) for state in ("uniaxial", "planar")]
-    result = CliRunner().invoke(app, ["material", *files, *options, "--out", str(tmp_path / "out")])
-    assert result.exit_code == 2
-    assert complaint in result.stderr
+    assert complaint in refused("material", *files, *options, "--out", str(tmp_path / "out"))

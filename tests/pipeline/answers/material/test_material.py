@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner, Result
 
 import fem
 from geometry.arrays import Array
@@ -16,16 +15,12 @@ from pipeline.answers.material.loading import TensileTest
 from pipeline.answers.material.page import fit_material, law_table
 from pipeline.answers.material.sentences import doubts, doubts_of_given, yaml_line
 from pipeline.answers.material.study import FitOptions, fit_tests
-from pipeline.cli import app
 from pipeline.config.load import load_config
+from tests.commands import done, refused
 from tests.pipeline.values.test_plots import panels_of
 from tests.specimens import example
 
 YEOH = fem.Yeoh(0.06, 0.004, 0.0, 100.0)
-
-
-def call(*arguments: str) -> Result:
-    return CliRunner().invoke(app, ["material", *arguments], env={"COLUMNS": "200"})
 
 
 def written(folder: Path, strain: Array, stress: Array, header: str = "strain (1),stress (MPa)") -> str:
@@ -39,15 +34,12 @@ def test_the_shipped_example_is_what_specimens_py_draws(configs: Path) -> None:
 
 
 def test_the_command(configs: Path, tmp_path: Path) -> None:
-    result = call(str(configs / "elastosil_m4601_yeoh.csv"), "--out", str(tmp_path), "--density", "1130 kg/m^3")
-    assert result.exit_code == 0, result.output
-    lines = [line for line in result.stdout.splitlines() if line]
+    tests = str(configs / "elastosil_m4601_yeoh.csv")
+    printed = done("material", tests, "--out", str(tmp_path), "--density", "1130 kg/m^3")
+    lines = [line for line in printed.splitlines() if line]
     assert lines[0].startswith("Take yeoh: up to a stretch of 3 it can be used, and is on average 4")
-    assert "the specimens differ by 2" in result.stdout
-    assert (
-        "Beyond a stretch of 1.65 the fitted laws disagree in biaxial tension, which these tests do not measure."
-        in result.stdout
-    )
+    assert "the specimens differ by 2" in printed
+    assert "Beyond a stretch of 1.65 the fitted laws disagree in biaxial tension, which these tests do not" in printed
     record = json.loads((tmp_path / "material.json").read_text(encoding="utf-8"))
     assert record["recommended"] == "yeoh"
     assert record["yaml"] in lines
@@ -57,7 +49,7 @@ def test_the_command(configs: Path, tmp_path: Path) -> None:
     for law in record["laws"]:
         assert (law["yaml"] is None) == (law["holds_between_stretches"] is None)
         assert law["ends_by"]
-    assert result.stdout.count("material: {law") == 1
+    assert printed.count("material: {law") == 1
     page = (tmp_path / "material.html").read_text(encoding="utf-8")
     assert len(page) < 2_600_000
     start, _, biaxial = panels_of(page)
@@ -97,14 +89,11 @@ def test_the_stretches_of_a_run_are_met(tmp_path: Path) -> None:
     save_value(ResultFolder(run), "experiments.json", states)
     strain = np.linspace(0.0, 2.5, 100)
     file = written(tmp_path, strain, YEOH.incompressible(1 + strain))
-    result = call(file, "--out", str(tmp_path / "out"), "--for", str(run))
-    assert result.exit_code == 0, result.output
-    assert "Take neo_hooke" in result.stdout
-    assert "Take yeoh" in call(file, "--out", str(tmp_path / "out")).stdout
+    command = ("material", file, "--out", str(tmp_path / "out"))
+    assert "Take neo_hooke" in done(*command, "--for", str(run))
+    assert "Take yeoh" in done(*command)
     save_value(ResultFolder(run), "experiments.json", ())
-    refused = call(file, "--out", str(tmp_path / "out"), "--for", str(run))
-    assert refused.exit_code == 2
-    assert f"{run}: holds no results; give the folder of a run" in refused.stderr
+    assert f"{run}: holds no results; give the folder of a run" in refused(*command, "--for", str(run))
 
 
 def test_the_error_of_a_law_is_that_over_the_stretches_for_which_it_is_offered(configs: Path) -> None:
@@ -128,28 +117,27 @@ def test_two_kinds_of_test_and_compression_in_positive_numbers(tmp_path: Path) -
     stress = -law.incompressible(1 - pressed)
     called = written(tmp_path, pressed, stress, "compressive strain (1),stress (MPa)")
     for file in (str(tmp_path / "two.csv"), called):
-        result = call(file, "--out", str(tmp_path / "out"))
-        assert "Take neo_hooke" in result.stdout, result.output
-        assert "mu: 0.15 MPa" in result.stdout
-        assert ("equibiaxial over uniaxial" in result.stdout) == (file != called)
-    asked = call(written(tmp_path, pressed, stress), "--out", str(tmp_path / "out"))
-    assert asked.exit_code == 2
-    assert "give compression negative numbers, or call tension 'tensile stress' in the title" in asked.stderr
+        printed = done("material", file, "--out", str(tmp_path / "out"))
+        assert "Take neo_hooke" in printed
+        assert "mu: 0.15 MPa" in printed
+        assert ("equibiaxial over uniaxial" in printed) == (file != called)
+    asked = refused("material", written(tmp_path, pressed, stress), "--out", str(tmp_path / "out"))
+    assert "give compression negative numbers, or call tension 'tensile stress' in the title" in asked
 
 
 def test_a_test_that_ends_early_says_so(tmp_path: Path) -> None:
     strain = np.linspace(0.0, 0.4, 60)
-    result = call(written(tmp_path, strain, YEOH.incompressible(1 + strain)), "--out", str(tmp_path / "out"))
-    assert "An arm may need 0.7 to 2, but the test ends at a stretch of 1.4." in result.stdout
-    assert "A test up to a stretch of 2.7 would tell more about two directions." in result.stdout
+    file = written(tmp_path, strain, YEOH.incompressible(1 + strain))
+    printed = done("material", file, "--out", str(tmp_path / "out"))
+    assert "An arm may need 0.7 to 2, but the test ends at a stretch of 1.4." in printed
+    assert "A test up to a stretch of 2.7 would tell more about two directions." in printed
 
 
 def test_forces_and_extensions(tmp_path: Path) -> None:
     strain = np.linspace(0.0, 2.5, 100)
     file = written(tmp_path, 33 * strain, 16 * YEOH.incompressible(1 + strain), "Traversenweg (mm),Kraft (N)")
-    result = call(file, "--out", str(tmp_path / "out"), "--length", "33 mm", "--area", "0.16 cm^2")
-    assert result.exit_code == 0, result.output
-    constants = re.search(r"c10: (\S+) MPa, c20: (\S+) MPa", result.stdout)
+    printed = done("material", file, "--out", str(tmp_path / "out"), "--length", "33 mm", "--area", "0.16 cm^2")
+    constants = re.search(r"c10: (\S+) MPa, c20: (\S+) MPa", printed)
     assert constants
     assert [float(constant) for constant in constants.groups()] == pytest.approx([0.06, 0.004], rel=0.02)
 
@@ -177,32 +165,6 @@ def test_strains_that_are_stretches_are_asked_about() -> None:
     s = np.linspace(1.0, 3.0, 21)
     test = TensileTest("pull", 1 + s, 0.2 * (s - s**-2))
     assert next(doubts((test,), Points.of((test,)))).endswith("if these are stretches, call the column 'stretch'")
-
-
-@pytest.mark.parametrize(
-    ("options", "complaint"),
-    [
-        (["--nu", "0.5"], "--nu: nu = 0.5: Poisson's ratio must lie between -1 and 0.5 (0.5 itself excluded)"),
-        (["--from", "150"], "--from: '150' has no unit; write a strain with its unit, for example '150 %'"),
-        (["--length", "0 mm"], "--length: 0 mm is not allowed; allowed: above zero, for example"),
-        (["--density", "3 kg"], "--density: '3 kg' is not a density; write a density with its unit"),
-        (["--length", "3 kg"], "--length: '3 kg' is not a length; write a length with its unit"),
-        (["--area", "3 mm"], "--area: '3 mm' is not an area; write an area with its unit"),
-    ],
-)
-def test_wrong_options_end_with_2(options: list[str], complaint: str, configs: Path, tmp_path: Path) -> None:
-    result = call(str(configs / "elastosil_m4601_yeoh.csv"), "--out", str(tmp_path), *options)
-    assert result.exit_code == 2, result.output
-    assert result.stderr.startswith(f"pneurod: {complaint}")
-    assert len(result.stderr.splitlines()) == 1
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_folder_that_cannot_be_written(configs: Path, tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    result = call(str(configs / "elastosil_m4601_yeoh.csv"), "--out", str(tmp_path / "file" / "out"))
-    assert result.exit_code == 2
-    assert "cannot be written" in result.stderr
 
 
 def test_the_choice_of_the_paper() -> None:

@@ -6,12 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import pneurod
 from pipeline.answers.rods.budget import Budget, budget_of, budget_page, budget_panels, make_budgets
 from pipeline.api.frames import budget_frame, sensitivities_frame
-from pipeline.cli import app
 from pipeline.config.load import load_config
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
 from pipeline.results.files import read_plane_law
@@ -20,6 +18,7 @@ from rod import ArmLaw
 from rod.arm_law.curves import ACROSS, IN_SPACE, CellCurve
 from rod.arm_law.rates import CellRate, ClampRate, LawRate, changed_cells, onset_rate
 from tests.coarse import COARSE, coarse_run
+from tests.commands import refused
 
 CONFIG = Path(__file__).resolve().parents[4] / "configs" / "pneunet_coarse.yaml"
 
@@ -145,9 +144,7 @@ def test_bars_have_a_colour_per_pressure_and_the_largest_contribution_first() ->
 def test_a_law_without_derivatives_has_no_budget() -> None:
     assert budget_of(coarse_run()) is None
     assert pneurod.read_results(COARSE).budget().empty
-    result = CliRunner().invoke(app, ["budget", str(COARSE)])
-    assert result.exit_code == 2
-    assert "no derivatives" in result.output
+    assert "no derivatives" in refused("budget", str(COARSE))
 
 
 def test_tolerances_are_read_and_kept_apart_from_the_results() -> None:

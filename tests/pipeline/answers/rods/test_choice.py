@@ -8,17 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import pneurod
 from pipeline.answers.rods.choice import choose_rod
-from pipeline.cli import app
 from pipeline.results.files import read_run
 from pipeline.results.rod_errors import rod_to_take
 from pipeline.values.errors import InputError
 from pipeline.values.run import Reported
 from rod import LawRod
 from tests.coarse import COARSE, coarse_run, copy_with
+from tests.commands import done, refused
 
 #: of the mesh, small enough for the verdict to recommend a rod
 MESH_ERROR = 0.001
@@ -32,13 +31,12 @@ def test_python_and_the_command_line_give_the_same_rod(kind: str | None, taken: 
     assert "of the force 11 % (rod and mesh added); allowed are 5 and 10 %" in rod.notes[0]
     assert [(w.category, str(w.message)) for w in told] == [(pneurod.RodWarning, note) for note in rod.notes]
     options = () if kind is None else ("--rod", kind)
-    ended = CliRunner().invoke(app, ["rod", str(COARSE), "--pressure", "17 kPa", "--end-y", "-20 mm", *options])
-    assert ended.exit_code == 0, ended.stderr
+    printed = done("rod", str(COARSE), "--pressure", "17 kPa", "--end-y", "-20 mm", *options)
     shape = rod.solve(end_y=-20.0)
-    assert f"bends by             {shape.bending_deg:.2f}°" in ended.stdout
+    assert f"bends by             {shape.bending_deg:.2f}°" in printed
     assert shape.notes == rod.notes
-    assert all(note in ended.stdout for note in shape.notes)
-    assert "errors               error of the shape" in ended.stdout
+    assert all(note in printed for note in shape.notes)
+    assert "errors               error of the shape" in printed
 
 
 def test_the_rod_of_a_good_run_has_no_notes_and_knows_its_errors() -> None:
@@ -77,8 +75,7 @@ def test_commands_refuse_an_arm_that_leaves_its_plane_and_write_nothing(tmp_path
     folder = copy_with(tmp_path / "arm", "run.json", lambda record: record | {"remarks": [remark]})
     before = sorted(folder.iterdir())
     for command in (("rod", str(folder), "--pressure", "17 kPa"), ("export", str(folder), "--to", "csv")):
-        ended = CliRunner().invoke(app, command)
-        assert (ended.exit_code, ended.stderr) == (2, f"pneurod: {folder}: The arm leaves its plane.\n")
+        assert refused(*command) == f"{folder}: The arm leaves its plane."
     assert sorted(folder.iterdir()) == before
 
 

@@ -10,19 +10,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import pneurod
 from fem.materials import LAWS, Constant
 from pipeline.answers.rods.export import distance, references
 from pipeline.answers.rods.solid import solid_of, young_modulus
-from pipeline.cli import app
 from pipeline.results.files import read_results
 from pipeline.show.drawing import write_fields
 from rod import Relaxation, RodError
 from rod.load import Load
 from rod.weight import Mass
 from tests.coarse import COARSE, copy_with
+from tests.commands import done, refused
 from tests.measured_arm import result_folder, with_body
 from tests.rod.arm_law.test_space_law import LENGTH as LENGTH_IN_SPACE
 from tests.rod.arm_law.test_space_law import law as law_in_space
@@ -37,11 +36,6 @@ VALUES: dict[Constant, Any] = {
 }
 
 
-def call(*arguments: str) -> tuple[int, str, str]:
-    result = CliRunner().invoke(app, list(arguments))
-    return result.exit_code, result.stdout, result.stderr
-
-
 def error_in(out: str) -> float:
     """The error of the file over the length."""
     [percent] = re.findall(r"Error of the file: ([\d.e-]+) % of the length", out)
@@ -51,8 +45,7 @@ def error_in(out: str) -> float:
 @pytest.mark.parametrize("target", ["csv", "json", "pyelastica", "mujoco", "somo", "sorosim"])
 def test_the_rod_to_take_is_written_with_its_error(tmp_path: Path, target: str) -> None:
     command = ("export", str(COARSE), "--to", target, "--out", str(tmp_path))
-    status, out, error = call(*command)
-    assert (status, error) == (0, "")
+    out = done(*command)
     written = [Path(line[9:]) for line in out.splitlines() if line.startswith("written: ")]
     assert sorted(written) == sorted(tmp_path.iterdir())
     if target == "csv":
@@ -61,12 +54,11 @@ def test_the_rod_to_take_is_written_with_its_error(tmp_path: Path, target: str) 
         assert error_in(out) < 0.01
     assert ("loss factor 0.1 (the default of material.loss_factor)" in out) == (target in ("mujoco", "pyelastica"))
     before = {file: file.read_bytes() for file in written}
-    status, _, sentence = call(*command)
-    assert (status, "exists; give another --out, or --force" in sentence) == (2, True)
+    assert "exists; give another --out, or --force" in refused(*command)
     assert {file: file.read_bytes() for file in written} == before
     if target == "mujoco":  # the module alone is a file that exists, too
         written[0].unlink()
-        assert call(*command)[0] == 2
+        refused(*command)
         assert not written[0].exists()
 
 
@@ -80,7 +72,7 @@ def test_a_dead_force_is_told_by_its_numbers() -> None:
 
 def test_the_stated_error_is_the_largest_one(tmp_path: Path) -> None:
     """The json of the chain, unloaded, at the pressures of II, against the finite elements."""
-    _, out, _ = call("export", str(COARSE), "--to", "json", "--out", str(tmp_path))
+    out = done("export", str(COARSE), "--to", "json", "--out", str(tmp_path))
     [file] = tmp_path.iterdir()
     chain = json.loads(file.read_text())["chain"]
     found = []
@@ -100,7 +92,7 @@ def test_the_stated_error_is_the_largest_one(tmp_path: Path) -> None:
 
 def test_the_five_parameters_are_written_on_request_and_their_error_is_larger(tmp_path: Path) -> None:
     command = ("export", str(COARSE), "--to", "mujoco", "--out", str(tmp_path))
-    law, five = (error_in(call(*command, "--rod", rod)[1]) for rod in ("law", "five"))
+    law, five = (error_in(done(*command, "--rod", rod)) for rod in ("law", "five"))
     assert five > 5.0 * law
     assert {file.name for file in tmp_path.glob("*.xml")} == {"rod_mujoco_0_to_37kPa.xml", "rod_mujoco_17_to_37kPa.xml"}
 
@@ -114,10 +106,9 @@ def test_a_short_finger_without_five_parameters_is_exported(tmp_path: Path) -> N
     rows = json.loads((folder / "validation.json").read_text())
     (folder / "validation.json").write_text(json.dumps([row for row in rows if row["rod"] == "arm_law"]))
     for target in ("mujoco", "pyelastica", "json"):
-        status, _, error = call("export", str(folder), "--to", target)
-        assert (status, error) == (0, "")
-    status, _, sentence = call("export", str(folder), "--to", "mujoco", "--rod", "five", "--force")
-    assert (status, "holds no parameters of a rod" in sentence) == (2, True)
+        done("export", str(folder), "--to", target)
+    sentence = refused("export", str(folder), "--to", "mujoco", "--rod", "five", "--force")
+    assert "holds no parameters of a rod" in sentence
 
 
 @pytest.mark.parametrize("name", sorted(LAWS))
@@ -131,8 +122,7 @@ def test_every_material_law_is_exported(tmp_path: Path, name: str, given: dict[s
 
     folder = copy_with(tmp_path / "arm", "parameters.json", change)
     for options in ((), ("--rod", "five")):
-        status, out, error = call("export", str(folder), "--to", "pyelastica", *options)
-        assert (status, error) == (0, "")
+        out = done("export", str(folder), "--to", "pyelastica", *options)
         assert f"loss factor {given.get('loss_factor', 0.1)}" in out
 
 
@@ -141,23 +131,21 @@ def test_relaxing_rubber_damps_an_export_as_at_its_first_vibration(tmp_path: Pat
     """A branch whose loss factor falls with the frequency; without one nothing is said."""
     branch = {"relaxation_g": [0.3], "relaxation_tau_s": [0.5]}
     folder = copy_with(tmp_path / "arm", "parameters.json", lambda content: content["material"].update(branch))
-    status, out, error = call("export", str(folder), "--to", target)
-    assert (status, error) == (0, "")
+    out = done("export", str(folder), "--to", target)
     told = re.search(r"Damping: loss factor ([\d.]+) at the first vibration", out)
     assert told is not None
     frequency = float(pneurod.read_results(folder).frequencies["frequency_1_Hz"].mean())
     assert float(told[1]) == pytest.approx(float(Relaxation((0.3,), (0.5,)).loss_factor(frequency)), rel=0.25)
     assert f"Higher vibrations lose {above} there than the rubber" in out
-    assert "Higher vibrations" not in call("export", str(COARSE), "--to", target, "--out", str(tmp_path))[1]
+    assert "Higher vibrations" not in done("export", str(COARSE), "--to", target, "--out", str(tmp_path))
 
 
 @pytest.mark.slow
 def test_every_line_that_pneurod_material_prints_is_run_and_exported(tmp_path: Path) -> None:
     """All laws, from the tensile tests to a file whose error against finite elements is small."""
     tensile = str(COARSE.parents[2] / "configs" / "elastosil_m4601_yeoh.csv")
-    status, out, _ = call("material", tensile, "--density", "1130 kg/m^3", "--out", str(tmp_path / "material"))
+    out = done("material", tensile, "--density", "1130 kg/m^3", "--out", str(tmp_path / "material"))
     lines = [line.partition("#")[0].removeprefix("material:") for line in out.splitlines() if line[:9] == "material:"]
-    assert status == 0
     assert {name for name in LAWS if any(f"law: {name}" in line for line in lines)} == set(LAWS)
     for number, line in enumerate(lines):
         folder, config = tmp_path / f"run_{number}", tmp_path / f"arm_{number}.yaml"
@@ -166,11 +154,9 @@ def test_every_line_that_pneurod_material_prints_is_run_and_exported(tmp_path: P
             "mesh: {size: 8 mm, formulation: p2p0}\nlaw: cell\naccuracy: 'off'\nvalidation: 'off'\n",
             encoding="utf-8",
         )
-        status, _, error = call("run", str(config), "--out", str(folder))
-        assert status == 0, error
+        done("run", str(config), "--out", str(folder))
         for target in ("mujoco", "pyelastica", "json", "csv", "somo", "sorosim"):
-            status, out, error = call("export", str(folder), "--to", target)
-            assert (status, error) == (0, ""), line
+            out = done("export", str(folder), "--to", target)
             assert target == "csv" or error_in(out) < 0.01, line
 
 
@@ -184,8 +170,7 @@ def test_a_law_that_turns_against_its_moment_cannot_be_a_chain(tmp_path: Path) -
             curve["rotation_rad"] = [-value for value in np.linspace(0.0, 3.0, len(curve["rotation_rad"]))]
 
     folder = copy_with(tmp_path / "arm", "law.json", change)
-    status, _, error = call("export", str(folder), "--to", "mujoco")
-    assert (status, "does not turn as its moment" in error) == (2, True)
+    assert "does not turn as its moment" in refused("export", str(folder), "--to", "mujoco")
 
 
 def test_one_pressure_has_a_file_of_its_own(tmp_path: Path) -> None:
@@ -195,7 +180,7 @@ def test_one_pressure_has_a_file_of_its_own(tmp_path: Path) -> None:
         "somo": {"rod_somo_27kPa.yaml", "rod_somo_27kPa.urdf"},
         "json": {"law_27kPa.json"},
     }.items():
-        assert call(*command, target, "--pressure", "27 kPa")[0] == 0
+        done(*command, target, "--pressure", "27 kPa")
         assert names <= {file.name for file in tmp_path.iterdir()}
 
 
@@ -223,25 +208,24 @@ def test_the_section_of_a_body_is_that_of_its_mesh(tmp_path: Path) -> None:
 def test_an_arm_with_three_pressures_goes_to_mujoco_and_nowhere_else(tmp_path: Path) -> None:
     law: Any = replace(law_in_space(), mass=Mass.even(LENGTH_IN_SPACE, 12.0))
     folder = with_body(result_folder(tmp_path / "three", law))
-    status, out, error = call("export", str(folder), "--to", "mujoco")
-    assert (status, error) == (0, "")
+    out = done("export", str(folder), "--to", "mujoco")
     assert "set_pressure takes those of a, b, c in kPa" in " ".join(out.split())
     assert (folder / "rod_mujoco_0_to_10kPa.xml").is_file()
     module = runpy.run_path(str(folder / "rod_mujoco_0_to_10kPa.py"))
     model, data = module["load"]((4.0, 3.0, 1.0))
     assert 1e3 * sum(model.body_mass) == pytest.approx(12.0)
     assert 1e3 * data.site("tip").xpos == pytest.approx(law.at((4.0, 3.0, 1.0)).solve_in_space(Load()).end, abs=0.01)
-    status, _, error = call("export", str(folder), "--to", "pyelastica")
-    assert (status, "takes a law in a plane, and this one is in space" in error) == (2, True)
-    status, _, error = call("export", str(folder), "--to", "mujoco", "--pressure", "5 kPa", "--force")
-    assert (status, "the file has the arm's own law at every pressure" in error) == (2, True)
+    in_plane = refused("export", str(folder), "--to", "pyelastica")
+    assert "takes a law in a plane, and this one is in space" in in_plane
+    at_one = refused("export", str(folder), "--to", "mujoco", "--pressure", "5 kPa", "--force")
+    assert "the file has the arm's own law at every pressure" in at_one
 
 
 def test_of_a_design_its_run_is_exported(tmp_path: Path) -> None:
     shutil.copytree(COARSE, tmp_path / "design" / "run")
     (tmp_path / "design" / "design.json").write_text("{}", encoding="utf-8")
-    assert call("export", str(tmp_path / "design"), "--to", "json", "--out", str(tmp_path / "files"))[0] == 0
-    assert call("solve", str(tmp_path / "design"), "--angle", "30 deg")[0] == 0
+    done("export", str(tmp_path / "design"), "--to", "json", "--out", str(tmp_path / "files"))
+    done("solve", str(tmp_path / "design"), "--angle", "30 deg")
 
 
 def test_the_weight_of_a_run_is_left_to_the_other_program(tmp_path: Path) -> None:
@@ -249,10 +233,9 @@ def test_the_weight_of_a_run_is_left_to_the_other_program(tmp_path: Path) -> Non
     heavy = copy_with(tmp_path / "arm", "law.json", lambda content: content | {"weight_N_per_mm": [0.0, -1e-4]})
     found = {}
     for folder, out in ((COARSE, "without"), (heavy, "with")):
-        ended = CliRunner().invoke(app, ["export", str(folder), "--to", "json", "--out", str(tmp_path / out)])
-        assert ended.exit_code == 0, ended.stderr
-        assert ("let gravity act in the other program" in ended.stdout) == (out == "with")
-        found[out] = error_in(ended.stdout)
+        printed = done("export", str(folder), "--to", "json", "--out", str(tmp_path / out))
+        assert ("let gravity act in the other program" in printed) == (out == "with")
+        found[out] = error_in(printed)
     assert found["with"] > 3.0 * found["without"]  # judged with weight, against finite elements without it
     files = [next((tmp_path / out).glob("*.json")).read_text(encoding="utf-8") for out in ("without", "with")]
     assert files[0] == files[1]

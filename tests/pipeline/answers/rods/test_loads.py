@@ -7,19 +7,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import pneurod
 from pipeline.answers.rods import end_loads
 from pipeline.answers.rods.choice import rod_of_path
-from pipeline.cli import app
 from rod import Loading, PointLoad, RodError, Support
 from tests.coarse import COARSE, copy_with
+from tests.commands import done, refused
 
 
-def call(*arguments: str) -> tuple[int, str, str]:
-    result = CliRunner().invoke(app, ["rod", str(COARSE), "--pressure", "37 kPa", *arguments])
-    return result.exit_code, result.stdout, result.stderr
+def rod(*options: str) -> str:
+    return done("rod", str(COARSE), "--pressure", "37 kPa", *options)
 
 
 def end_of(printed: str) -> list[float]:
@@ -28,14 +26,12 @@ def end_of(printed: str) -> list[float]:
 
 @pytest.mark.parametrize("orientation", ["hanging", "-45 deg", "[1, 1]"])
 def test_weight_and_payload_are_those_of_python(orientation: str) -> None:
-    code, out, error = call("--orientation", orientation, "--tip-mass", "2 g")
-    assert code == 0, error
-    rod = rod_of_path(COARSE, "law").at(37.0)
+    out = rod("--orientation", orientation, "--tip-mass", "2 g")
     direction = (1.0, 1.0) if orientation.startswith("[") else orientation
-    shape = rod.solve(direction=direction, tip_mass="2 g")
+    shape = rod_of_path(COARSE, "law").at(37.0).solve(direction=direction, tip_mass="2 g")
     assert end_of(out) == pytest.approx(shape.end, abs=1e-3)
     assert "N, which the rod carries besides" in out
-    assert end_of(out) != pytest.approx(end_of(call()[1]), abs=0.1)
+    assert end_of(out) != pytest.approx(end_of(rod()), abs=0.1)
 
 
 @pytest.mark.parametrize(
@@ -62,10 +58,9 @@ def test_weight_and_payload_are_those_of_python(orientation: str) -> None:
     ],
 )
 def test_loads_along_the_arm_are_those_of_python(options: tuple[str, ...], loads: dict[str, Any]) -> None:
-    code, out, error = call(*options)
-    assert code == 0, error
-    assert end_of(out) == pytest.approx(rod_of_path(COARSE, "law").at(37.0).solve(**loads).end, abs=1e-3)
-    assert end_of(out) != pytest.approx(end_of(call()[1]), abs=0.1)
+    end = end_of(rod(*options))
+    assert end == pytest.approx(rod_of_path(COARSE, "law").at(37.0).solve(**loads).end, abs=1e-3)
+    assert end != pytest.approx(end_of(rod()), abs=0.1)
 
 
 def test_one_force_alone_acts_upwards_and_a_part_of_the_length_is_one_of_the_arm() -> None:
@@ -77,7 +72,7 @@ def test_one_force_alone_acts_upwards_and_a_part_of_the_length_is_one_of_the_arm
 
 
 def test_the_reactions_of_supports_have_a_line_each() -> None:
-    _, out, _ = call("--held-at", "0.5 l: y -28 mm, angle -70 deg", "--held-at", "80 mm: x 46 mm")
+    out = rod("--held-at", "0.5 l: y -28 mm, angle -70 deg", "--held-at", "80 mm: x 46 mm")
     lines = [line for line in out.splitlines() if line.startswith("reaction at")]
     numbers = [[float(number) for number in re.findall(r"-?\d[\d.e-]*", line)] for line in lines]
     along = [pneurod.Support(56.0, y=-28.0, angle=np.radians(-70.0)), pneurod.Support(80.0, x=46.0)]
@@ -88,31 +83,29 @@ def test_the_reactions_of_supports_have_a_line_each() -> None:
 
 def test_five_parameters_carry_the_weight_as_well() -> None:
     """More weight beyond the moments of the identification is a warning, not a refusal."""
-    code, out, _ = call("--orientation", "hanging", "--rod", "five")
-    assert code == 0
+    out = rod("--orientation", "hanging", "--rod", "five")
     assert "N, which the rod carries besides" in out
-    by_law = end_of(call("--orientation", "hanging")[1])
+    by_law = end_of(rod("--orientation", "hanging"))
     assert np.linalg.norm(np.subtract(end_of(out), by_law)) < 1.0  # 0.25 mm
-    assert np.linalg.norm(np.subtract(end_of(call()[1]), by_law)) > 30.0
+    assert np.linalg.norm(np.subtract(end_of(rod()), by_law)) > 30.0
 
 
 def test_a_run_without_density_has_no_weight(tmp_path: Path) -> None:
     folder = copy_with(tmp_path / "arm", "law.json", lambda content: content | {"mass": None})
-    command = ["rod", str(folder), "--pressure", "37 kPa", "--orientation", "lying"]
-    ended = CliRunner().invoke(app, command)
-    assert (ended.exit_code, "give material.density in its configuration" in ended.stderr) == (2, True)
+    command = ("rod", str(folder), "--pressure", "37 kPa", "--orientation", "lying")
+    assert "give material.density in its configuration" in refused(*command)
     with pytest.warns(pneurod.RodWarning):
-        rod = pneurod.read_results(folder).rod(37.0)
+        light = pneurod.read_results(folder).rod(37.0)
     with pytest.raises(pneurod.RodError, match=r"give material\.density"):
-        rod.solve(direction="lying")
+        light.solve(direction="lying")
 
 
 def test_where_the_law_ends_before_the_load_it_is_no_lack_of_equilibrium() -> None:
-    rod = rod_of_path(COARSE, "law").at(17.0)
-    low, high = rod.law.moments
+    known_rod = rod_of_path(COARSE, "law").at(17.0)
+    low, high = known_rod.law.moments
     known = f"The law at 17 kPa is known from {low:.4g} to {high:.4g} N mm."
     with pytest.raises(RodError, match=rf"ends before the load does. {re.escape(known)} It bears 9.4 % of this"):
-        rod.solve(force=(-0.1, -0.5))
-    near = replace(rod, law=replace(rod.law, near=18.0))
+        known_rod.solve(force=(-0.1, -0.5))
+    near = replace(known_rod, law=replace(known_rod.law, near=18.0))
     with pytest.raises(RodError, match=rf"{re.escape(known)} That is near a limit of the pressure, 18 kPa\. It bears"):
         near.solve(force=(-0.1, -0.5))

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from typer.testing import CliRunner
 
 import pneurod
 from pipeline.answers.rods import motion
@@ -18,13 +17,13 @@ from pipeline.answers.rods.choice import rod_of_path
 from pipeline.answers.rods.in_time import body_of, rubber_of, with_remark
 from pipeline.answers.rods.motion import _read_air
 from pipeline.api.results import Results
-from pipeline.cli import app
 from pipeline.results.files import read_results as read_run
 from pipeline.results.verdict import verdict_of
 from pipeline.show.tables import in_time as in_time_table
 from pipeline.values.errors import InputError, RunFailed
 from rod import Air, Body
 from tests.coarse import COARSE, coarse_run, copy_with
+from tests.commands import call, done
 from tests.rod.test_in_time import with_base
 
 SLOW = {"loss_factor": 0.12, "loss_between_Hz": [0.5, 50.0], "relaxation_g": [0.08], "relaxation_tau_s": [3.0]}
@@ -35,14 +34,8 @@ def with_rubber(folder: Path, **material: Any) -> Path:
     return copy_with(folder, "parameters.json", lambda content: content["material"].update(material))
 
 
-def call(*arguments: str) -> tuple[int, str, str]:
-    result = CliRunner().invoke(app, ["move", str(COARSE), *arguments], env={"COLUMNS": "200"})
-    return result.exit_code, result.stdout, result.stderr
-
-
 def test_the_command_writes_the_motion_from_rest_to_a_pressure(tmp_path: Path) -> None:
-    status, out, error = call("--pressure", "10 kPa", "--seconds", "0.1", "--out", str(tmp_path))
-    assert (status, error) == (0, "")
+    out = done("move", str(COARSE), "--pressure", "10 kPa", "--seconds", "0.1", "--out", str(tmp_path))
     frame = pd.read_csv(tmp_path / "motion.csv")
     columns = ["t_s", "pressure_kPa", "volume_mm3", "tip_x_mm", "tip_y_mm", "end_angle_deg", "beyond_law_per_mm"]
     assert list(frame.columns) == columns
@@ -119,10 +112,10 @@ def test_an_interrupt_keeps_what_there_is(tmp_path: Path, monkeypatch: pytest.Mo
             raise KeyboardInterrupt
 
     monkeypatch.setattr(motion.TimeLeft, "tell", interrupt)
-    status, out, error = call("--pressure", "9 kPa", "--seconds", "1", "--out", str(tmp_path))
-    assert (status, "The motion was interrupted at t = 0.03" in error) == (1, True)
+    ended = call("move", str(COARSE), "--pressure", "9 kPa", "--seconds", "1", "--out", str(tmp_path))
+    assert (ended.exit_code, "The motion was interrupted at t = 0.03" in ended.stderr) == (1, True)
     assert 0.03 < pd.read_csv(tmp_path / "motion.csv").t_s.iloc[-1] < 0.05
-    assert f"written: {tmp_path / 'motion.csv'}" in out
+    assert f"written: {tmp_path / 'motion.csv'}" in ended.stdout
 
 
 def test_results_move_in_a_loop() -> None:

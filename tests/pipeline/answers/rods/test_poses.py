@@ -103,7 +103,9 @@ def test_arrow_keys_pull_at_the_tip(page: Page) -> None:
     assert json.loads(str(hand.get_attribute("data-tip")))[0] > before[0]
 
 
-def test_the_picture_of_a_calibration_shows_what_was_measured(tmp_path: Path, few_proposals: None) -> None:
+def test_the_picture_of_a_calibration_shows_what_was_measured(
+    tmp_path: Path, few_proposals: None, few_poses: None
+) -> None:
     states = [State(10.0), State(20.0), State(20.0, force_N=(0.0, 0.001))]
     file = measured(tmp_path / "arm.csv", arm_law(), states)
     report = calibrate_files(result_folder(tmp_path / "arm"), file)

@@ -10,16 +10,15 @@ import pandas as pd
 import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
-from typer.testing import CliRunner
 
 import pneurod
 from pipeline.answers.rods.choice import choose_rod
 from pipeline.answers.rods.pressures import Wish, pressures_for
 from pipeline.answers.rods.rods import Rods
-from pipeline.cli import app
 from rod import FiveParameters, Load, Loading, Rod, RodError
 from rod.inverse import Branch
 from tests.coarse import COARSE, coarse_run
+from tests.commands import done, refused
 
 HANGING = Loading(direction=(1.0, 0.0), tip_mass=1.0)
 
@@ -27,11 +26,6 @@ HANGING = Loading(direction=(1.0, 0.0), tip_mass=1.0)
 @pytest.fixture(scope="module")
 def rods() -> Rods:
     return choose_rod(coarse_run(0.001))
-
-
-def solve(*options: str) -> tuple[int, str, str]:
-    result = CliRunner().invoke(app, ["solve", str(COARSE), *options])
-    return result.exit_code, result.stdout, result.stderr
 
 
 @pytest.mark.parametrize("pressure", [3.0, 17.0, 24.5, 36.0])
@@ -68,17 +62,14 @@ def test_the_angle_of_a_held_end_is_that_of_its_section(rods: Rods) -> None:
 
 
 def test_the_commands_agree_both_ways() -> None:
-    code, out, error = solve("--tip", "[70.87 mm, -70.87 mm]", "--json")
-    assert code == 0, error
-    [at] = json.loads(out)["solutions"]
-    command = ["rod", str(COARSE), "--pressure", f"{at['pressure_kPa']} kPa"]
-    printed = CliRunner().invoke(app, command).stdout
+    [at] = json.loads(done("solve", str(COARSE), "--tip", "[70.87 mm, -70.87 mm]", "--json"))["solutions"]
+    printed = done("rod", str(COARSE), "--pressure", f"{at['pressure_kPa']} kPa")
     end = [float(value) for value in re.findall(r"[xy] = (-?[\d.]+) mm", printed)]
     assert end == pytest.approx(at["tip_mm"], abs=0.01)
     bends_by = float(re.findall(r"bends by +(-?[\d.]+)°", printed)[0])
     assert bends_by == pytest.approx(at["angle_deg"], abs=0.01)
-    code, out, _ = solve("--angle", "1.5708 rad")
-    assert (code, "bends by 90.00°" in out) == (0, True)
+    out = done("solve", str(COARSE), "--angle", "1.5708 rad")
+    assert "bends by 90.00°" in out
     assert "Do not use a rod of this run" in out
 
 
@@ -118,18 +109,15 @@ def test_an_upright_arm_that_its_load_has_bent_over_is_followed_to_no_pressure()
 
 
 def test_nothing_is_overwritten(tmp_path: Path) -> None:
-    def write(file: Path) -> tuple[int, str]:
-        result = CliRunner().invoke(app, ["rod", str(COARSE), "--pressure", "17 kPa", "--out", str(file)])
-        return result.exit_code, result.stderr
-
     table, again = tmp_path / "shape.csv", tmp_path / "again.csv"
+    write = ("rod", str(COARSE), "--pressure", "17 kPa", "--out")
     table.write_text("mine")
-    code, error = write(table)
-    assert (code, "was not made by this command" in error) == (2, True)
+    assert "was not made by this command" in refused(*write, str(table))
     assert table.read_text() == "mine"
-    assert [write(again)[0] for _ in range(2)] == [0, 0]
+    done(*write, str(again))
+    done(*write, str(again))
     again.write_text(again.read_text() + "a note")
-    assert write(again)[0] == 2
+    refused(*write, str(again))
     assert again.read_text().endswith("a note")
 
 

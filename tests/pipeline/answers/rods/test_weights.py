@@ -4,12 +4,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from pipeline.cli import app
 from pipeline.results.files import read_results
 from pipeline.results.verdict import verdict_of
 from rod.weight import WEIGHT_OF_GRAM, Mass
+from tests.commands import call
 from tests.measured_arm import LENGTH, arm_law, result_folder
 
 COMMANDS = (
@@ -30,11 +29,11 @@ def test_light_and_heavy_arms(tmp_path: Path, times: float, with_weight: bool) -
     folder = result_folder(tmp_path / "arm", replace(arm_law(), mass=Mass.even(LENGTH, mass), weight=weight))
     words = [" ".join(verdict_of(read_results(folder)).lines)]
     for command, *options in COMMANDS:
-        ended = CliRunner().invoke(app, [command, str(folder), *options])
+        ended = call(command, str(folder), *options)
         assert isinstance(ended.exception, SystemExit | None)
         told = ended.stderr.split("pneurod: ")[1:]
         assert (len(told), ended.exit_code in (1, 2)) == ((1, True) if ended.exit_code else (0, False))
         words.append(ended.output)
     assert not {"nan", "inf", "Traceback"} & {*" ".join(words).split()}
-    lying = CliRunner().invoke(app, ["rod", str(folder), "--pressure", "0 kPa", "--orientation", "lying"])
+    lying = call("rod", str(folder), "--pressure", "0 kPa", "--orientation", "lying")
     assert (lying.exit_code == 0) is (times <= 1.0)

@@ -7,11 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import pneurod
 from fem.cell.piece import BendingPiece
-from pipeline.cli import app
 from pipeline.config.load import load_config
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
@@ -21,6 +19,7 @@ from pipeline.study.wishes.measured import delivered
 from pipeline.study.wishes.report import DesignReport, WishResult
 from pipeline.study.wishes.wish import WishFile
 from pipeline.values.errors import RunFailed
+from tests.commands import done, refused
 from tests.pipeline.study.wishes.test_measured import CONFIGS, small
 from tests.pipeline.values.test_plots import panels_of
 
@@ -59,10 +58,7 @@ def test_a_known_arm_is_found_again_and_nothing_is_measured_twice(
 ) -> None:
     wish, out = wish_of_known_arm(tmp_path), tmp_path / "out"
     command = ["design", str(wish), "--out", str(out), "--no-run", "--jobs", "1", "-q"]
-    ended = CliRunner().invoke(app, command)
-    assert ended.exit_code == 0, ended.output
-    assert "geometry.wall" in ended.output
-
+    assert "geometry.wall" in done(*command)
     found = json.loads((out / "design.json").read_text())
     assert found["given_up"] == []
     assert all(row["miss"] <= 1.0 for row in found["wishes"])
@@ -89,9 +85,7 @@ def test_a_known_arm_is_found_again_and_nothing_is_measured_twice(
 
     before = (out / "design.yaml").read_bytes()
     wish.write_text(wish.read_text().replace("30 g", "20 g"))
-    ended = CliRunner().invoke(app, command)
-    assert ended.exit_code == 2
-    assert "holds the results of a run with another configuration" in ended.output
+    assert "holds the results of a run with another configuration" in refused(*command)
     assert (out / "design.yaml").read_bytes() == before
 
     missed = replace(report, wishes=(replace(report.wishes[0], miss=3.0), report.wishes[1]))
@@ -105,9 +99,7 @@ def test_a_known_arm_is_found_again_and_nothing_is_measured_twice(
 def test_a_wrong_file_ends_with_its_key(tmp_path: Path) -> None:
     wish = tmp_path / "wish.yaml"
     wish.write_text(WISH.replace("KAPPA 1/mm", "-1").replace("STIFFNESS", "1"), encoding="utf-8")
-    ended = CliRunner().invoke(app, ["design", str(wish), "--out", str(tmp_path / "out")])
-    assert ended.exit_code == 2
-    assert "wishes[1].kappa_0" in ended.output
+    assert "wishes[1].kappa_0" in refused("design", str(wish), "--out", str(tmp_path / "out"))
     assert not (tmp_path / "out").exists()
 
 
