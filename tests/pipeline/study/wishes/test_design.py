@@ -28,7 +28,7 @@ KNOWN, GUESS = np.array([1.0, 2.0]), 0.027
 WISH = f"""
 name: tiny
 base: {CONFIGS}/semicircular_coarse.yaml
-set: {{geometry.chambers: 4, mesh.size: 6 mm, accuracy: off}}
+set: {{geometry.chambers: 4, mesh.size: 8 mm, accuracy: off}}
 free:
   geometry.wall: {{from: 0.7 mm, to: 1.6 mm, start: 1.3 mm}}
   geometry.base: {{from: 1.2 mm, to: 3 mm, start: 2.6 mm}}
