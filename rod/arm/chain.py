@@ -26,12 +26,12 @@ NO_SIDE = np.empty(0)
 
 def positions_between(breaks: Sequence[float], longest: float) -> Array:
     """(N,) mm, rising: the breaks, and between them equal elements that are no longer than `longest`."""
-    places = [np.array(breaks[:1])]
+    places = list(breaks[:1])
     for low, high in pairwise(breaks):
         if high - low > SAME * longest:
             count = max(1, math.ceil((high - low) / longest - 1e-9))
-            places.append(np.linspace(low, high, count + 1)[1:])
-    return np.concatenate(places)
+            places += [high] if count == 1 else np.linspace(low, high, count + 1)[1:].tolist()
+    return np.array(places, dtype=float)
 
 
 def halved(s: Array) -> Array:
