@@ -27,7 +27,7 @@ KEPT = HERE / "tests" / "data" / "pneunet_coarse_cell"
 #: a file that a page shows: its name is the last one before the block of code
 _SHOWN = re.compile(r"`(\w+\.(?:csv|yaml))`(?: beside it)?:\n\n((?:    [^\n]*\n)+)")
 #: a line about what is being solved or tried
-_PROGRESS = re.compile(r"^(stage|experiment .*|note: \d+\. \w+): |\(\d+\.\d s\)$")
+_PROGRESS = re.compile(r"^(stage|experiment .*|note: \d+\. \w+): |\(\d+\.\d s\)$|; about .* left$")
 #: commands that take a minute, and what needs their results
 LONG = ("pneurod calibrate ", "pneurod design ", "pneurod compare results/my_arm ")
 
