@@ -22,7 +22,7 @@ from benchmarks.in_time.calibrated import calibrated_lines
 from benchmarks.in_time.exported import Exported
 from benchmarks.in_time.measured import Line, ReleasedBar, segment_lines
 from benchmarks.markdown import table
-from pipeline.answers.measured.motions import Ringing
+from pipeline.answers.measured.motions import DampedOscillation
 from pipeline.config.load import load_config
 from rod import frequencies
 
@@ -68,7 +68,7 @@ def small_lines(name: str, out: Path) -> Iterator[Line]:
         motion = arm.moved_by(body, size)
         each = 1e3 * (process_time() - begun) / len(motion.times_s)
         time = np.linspace(0.0, motion.times_s[-1], 1000)
-        rings = Ringing.of(time, CubicSpline(motion.times_s, motion.tips[:, 1])(time))
+        rings = DampedOscillation.of(time, CubicSpline(motion.times_s, motion.tips[:, 1])(time))
         for what, own, known, goal in zip(("frequency, Hz", "damping"), rings, mode, ("0.5 %", "3 %"), strict=False):
             more = f"{100.0 * (own / known - 1.0):+.2f} %"
             yield f"{name}, {size:g} mm, {each:.2g} ms a step", what, f"{known:.4g}", f"{own:.4g}", more, goal

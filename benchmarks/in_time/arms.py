@@ -9,7 +9,7 @@ from benchmarks.in_time.elements import Motion
 from fem import Experiment, LineForce, Model, follow
 from fem.supports import nodes_at
 from geometry.arrays import Array
-from pipeline.answers.measured.motions import Ringing
+from pipeline.answers.measured.motions import DampedOscillation
 from pipeline.answers.rods.solid import solid_of
 from pipeline.config.config import Config
 from pipeline.law.study import measure_law
@@ -19,7 +19,7 @@ from pipeline.store.progress import Silent
 from pipeline.values.pressure import in_MPa
 from rod import Body, Load, Loading, Relaxation, Start, Steps, frequencies, move
 from rod import Motion as OfArm
-from rod.in_time.regions import Share, mixed, shares_of
+from rod.in_time.regions import RegionShare, mixed, shares_of
 
 #: without loss; and with a slow branch and two near the period of the arms
 RUBBERS = {"no loss": Relaxation((), ()), "loss": Relaxation((0.08, 0.06, 0.06), (0.9, 0.08, 0.02))}
@@ -80,10 +80,10 @@ class MovingArm:
         if not (self.config.materials and rubber.shares):
             return replace(self.body, relaxation=rubber)
         parts = shares_of(self.law, (("material",), ("materials.base",)), self.pressure)
-        forces, felt = (mixed((rubber, BASE), [getattr(part, name) for part in parts]) for name in Share._fields)
+        forces, felt = (mixed((rubber, BASE), [getattr(part, name) for part in parts]) for name in RegionShare._fields)
         return replace(self.body, relaxation=forces, felt=felt)
 
-    def compared(self, rubber: str, released: bool) -> tuple[Ringing, Ringing, float]:
+    def compared(self, rubber: str, released: bool) -> tuple[DampedOscillation, DampedOscillation, float]:
         """How elements and rod ring, and how far their ends are apart at most, over the length."""
         rows = self.by_elements(rubber, released)
         times, last = rows[:, 0], float(rows[-1, 0])
@@ -97,7 +97,7 @@ class MovingArm:
             raise ValueError(motion.reason)
         own = np.column_stack([np.interp(times, motion.times_s, column) for column in motion.tips.T])
         apart = np.linalg.norm(own - rows[:, 1:], axis=1).max() / self.law.length
-        return Ringing.of(times, rows[:, 2]), Ringing.of(times, own[:, 1]), float(apart)
+        return DampedOscillation.of(times, rows[:, 2]), DampedOscillation.of(times, own[:, 1]), float(apart)
 
     def moved_by(self, body: Body, size: float) -> OfArm:
         """The motion of a rod from a force that moves its end by a size in mm, in steps by their error."""

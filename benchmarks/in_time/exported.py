@@ -12,7 +12,7 @@ import numpy as np
 
 from benchmarks.exports import rest
 from benchmarks.in_time.arms import FROM, MovingArm
-from benchmarks.in_time.measured import Line, Ringing
+from benchmarks.in_time.measured import DampedOscillation, Line
 from geometry.arrays import Array
 from pipeline.answers.rods.solid import solid_of
 from pipeline.results.files import read_results
@@ -94,7 +94,7 @@ class Exported:
                     other, own = run(released, is_damped), self.by_rod(rubber if is_damped else NO_LOSS, released)
                     ends = np.column_stack([np.interp(other[:, 0], own[:, 0], column) for column in own.T[1:]])
                     apart = np.linalg.norm(ends - other[:, 1:], axis=1).max() / self.arm.law.length
-                    rings = [Ringing.of(each[:, 0], each[:, 2]) for each in (other, own)]
+                    rings = [DampedOscillation.of(each[:, 0], each[:, 2]) for each in (other, own)]
                     how = f"{'released' if released else 'step'}, {'loss' if is_damped else 'no loss'}"
                     case = f"{name} in {program}, {how}"
                     for k, what in enumerate(("frequency, Hz", "damping")[: 1 + is_damped]):

@@ -12,7 +12,7 @@ from benchmarks.experiments.bar import GRAVITY, Bar, BendingRod
 from benchmarks.experiments.cases import read_case
 from benchmarks.experiments.fitted_bar import BarNumbers, fit_bar
 from geometry.arrays import Array
-from pipeline.answers.measured.motions import Ringing
+from pipeline.answers.measured.motions import DampedOscillation
 from rod import Body, FiveParameters, Loading, Relaxation, Rod, Start, Steps, move
 from rod.weight import Mass
 
@@ -57,7 +57,9 @@ class ReleasedBar:
         """By damping and creep of the takes without a load; nothing else is fitted."""
 
         def known(signal: Array) -> Array:
-            return np.array([Ringing.of(*signal).damping, mean(signal, LATE, LONG) / mean(signal, EARLY, LONG) - 1.0])
+            return np.array(
+                [DampedOscillation.of(*signal).damping, mean(signal, LATE, LONG) / mean(signal, EARLY, LONG) - 1.0]
+            )
 
         def rubber(loss: float, slow: float) -> Relaxation:
             fast = Relaxation.from_loss_factor(loss, *BAND)
@@ -71,8 +73,11 @@ class ReleasedBar:
         """Frequency and damping ratio under each load."""
         rubber = self.fitted()
         for force in sorted({load for load, _ in self.takes}):
-            known = np.mean([Ringing.of(*take) for key, take in self.takes.items() if key[0] == force], axis=0)
-            own, name = Ringing.of(*self.moves(force, rubber)), f"bar, {1e6 * force / GRAVITY:.0f} g on its end"
+            known = np.mean(
+                [DampedOscillation.of(*take) for key, take in self.takes.items() if key[0] == force], axis=0
+            )
+            own = DampedOscillation.of(*self.moves(force, rubber))
+            name = f"bar, {1e6 * force / GRAVITY:.0f} g on its end"
             for k, (what, goal) in enumerate((("frequency, Hz", "3 %"), ("damping", "20 %"))):
                 shown = f"{100.0 * (own[k] / known[k] - 1.0):+.1f} %"
                 yield name, what, f"{known[k]:.3g}", f"{own[k]:.3g}", shown, goal

@@ -14,7 +14,7 @@ from pipeline.values.formats import CURVE_COLUMNS
 from pipeline.values.parameters import RestShape
 from pipeline.values.run import Effect, RodError, State
 from rod import ArmLaw
-from rod.arm_law.quantities import OF_CELLS, UNITS, Asked
+from rod.arm_law.quantities import OF_CELLS, UNITS, QuantityAt
 
 SENSITIVITIES = ("parameter", "number", "pressure_kPa", "derivative", "unit", "relative")
 #: columns that hold texts, empty where there is none; all others hold numbers or true and false
@@ -125,7 +125,7 @@ def sensitivities_frame(law: ArmLaw | None) -> pd.DataFrame:
 def _sensitivities(law: ArmLaw) -> Iterator[tuple[object, ...]]:
     rods = {pressure: law.at(pressure) for pressure in law.pressures if pressure}
     values = {
-        (name, p): float(Asked(name, p, rod).of(rods.__getitem__)[0]) for name in UNITS for p, rod in rods.items()
+        (name, p): float(QuantityAt(name, p, rod).of(rods.__getitem__)[0]) for name in UNITS for p, rod in rods.items()
     }
     for name, parameter in law.rates.items():
         for number, rates in law.derivative(name).items():

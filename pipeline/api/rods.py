@@ -118,7 +118,9 @@ def move(
     from pipeline.answers.rods import choice, end_loads, motion
 
     loading = end_loads.read_loading(orientation, tip_mass, force=force)
-    asked = motion.Asked.read(pressure, seconds, loading, release=given_choice(release, "release"), air=air, step=step)
+    asked = motion.MotionRequest.read(
+        pressure, seconds, loading, release=given_choice(release, "release"), air=air, step=step
+    )
     run = choice.run_along(given_path(path, "path", "results/arm"), ratio)
     target, rods = run.directory if out is None else given_path(out, "out", "results/arm"), choice.choose_rod(run, rod)
     along = end_loads.read_along(rods.law.length, held_at=held_at)

@@ -50,7 +50,7 @@ class Moving(NamedTuple):
     branches: Array  #: (K, n, f) of the rubber then
 
 
-class Told(NamedTuple):
+class StepReport(NamedTuple):
     """What is told of a step, beside its end."""
 
     converged: bool
@@ -144,7 +144,7 @@ def _found(
 def _advance(
     arm: ArmArrays, load: LoadArrays, now: Moving, bodies: Bodies, room: Tangent, decay: Array, slowed: Array,
     dt: float, since: float,
-) -> tuple[Moving, Told]:  # fmt: skip
+) -> tuple[Moving, StepReport]:  # fmt: skip
     """The end of a step dt in s; since: s, from the last time within a step to that of this one.
 
     decay: (K,) what is left of the branches then; slowed: (K,) the mean of that on the way, times their shares.
@@ -160,7 +160,7 @@ def _advance(
     known, inertia = _inertia(now, bodies, dt)
     found, moved = _found(ArmArrays(section, arm.ends, chain), load, now, inertia, room, dt, since)
     if not found.converged:
-        return now, Told(False, math.inf, 0.0, found.outside)
+        return now, StepReport(False, math.inf, 0.0, found.outside)
     motion = _motion(chain, now.state, moved)
     speed, later = np.empty((nodes, 6)), np.zeros((nodes, 6))
     for node in range(nodes):
@@ -179,7 +179,7 @@ def _advance(
     moved = _moved(chain, moved, (1.0 / WITHIN - 1.0) * motion)
     outside = _outside(section, room.kept, 2 if chain.in_space else 1, found.outside)
     error, fast = ERROR * dt * dt * _largest(bodies, later - a), _largest(bodies, speed)
-    return Moving(moved, speed, later, elastic, branches), Told(
+    return Moving(moved, speed, later, elastic, branches), StepReport(
         True, error / chain.length, fast / chain.length, outside
     )
 

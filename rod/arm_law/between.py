@@ -24,7 +24,7 @@ from typing import final
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm_law.curves import CellCurve, Placed, has_unloaded
+from rod.arm_law.curves import CellCurve, CurveAt, has_unloaded
 from rod.cubics import cubic, cubic_slope, hermite
 from rod.errors import RodError
 
@@ -58,14 +58,14 @@ class Joined:
         return np.asarray((1 - self.t) * low + self.t * high)
 
 
-def measure_disagreement(first: Placed[CellCurve], second: Placed[CellCurve]) -> tuple[Array, Array]:
+def measure_disagreement(first: CurveAt[CellCurve], second: CurveAt[CellCurve]) -> tuple[Array, Array]:
     """Curvatures (PAIRS,) at the place halfway between two curves, and by how much what the slopes of either curve
     predict there differs, (PAIRS,), both in 1/mm."""
     lines = _best(first, second)
     return (lines.low.kappa + lines.high.kappa) / 2.0, lines.differences
 
 
-def join_states(first: Placed[CellCurve], second: Placed[CellCurve], place: float) -> Joined:
+def join_states(first: CurveAt[CellCurve], second: CurveAt[CellCurve], place: float) -> Joined:
     """The states at a place between those of two curves.
 
     States whose moment does not exceed that of all states of smaller curvature are left out: where two kinks nearly
@@ -115,12 +115,12 @@ class _Lines:
 
 
 @lru_cache(maxsize=64)  # places are compared by identity; a law has a dozen neighbours
-def _best(first: Placed[CellCurve], second: Placed[CellCurve]) -> _Lines:
+def _best(first: CurveAt[CellCurve], second: CurveAt[CellCurve]) -> _Lines:
     """The lines whose ends agree best on what is between them."""
     return min(_lines(first, second), key=lambda lines: float(lines.differences.mean()))
 
 
-def _lines(first_place: Placed[CellCurve], second_place: Placed[CellCurve]) -> list[_Lines]:
+def _lines(first_place: CurveAt[CellCurve], second_place: CurveAt[CellCurve]) -> list[_Lines]:
     """Lines of equal curvatures, and those of states equally far from the onset of contact where both curves have one.
 
     Raises `RodError` for curves without a curvature in common.
@@ -155,7 +155,7 @@ def _halfway(low: float, high: float) -> tuple[float, float]:
     return (0.5 * (low + high),) * 2
 
 
-def _states(at: Placed[CellCurve], kappa: Array, shift: Array, step: float) -> _States:
+def _states(at: CurveAt[CellCurve], kappa: Array, shift: Array, step: float) -> _States:
     """The states of a curve at curvatures (n,), 1/mm.
 
     shift: (n,) change of the curvature along the lines, 1/mm; step: that of the place.

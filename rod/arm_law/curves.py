@@ -45,7 +45,7 @@ Curve_co = TypeVar("Curve_co", covariant=True)
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
-class Placed(Generic[Curve_co]):
+class CurveAt(Generic[Curve_co]):
     """A curve at its place on a path through pressures: a pressure in kPa, or the direction of a ray."""
 
     place: float
@@ -109,9 +109,9 @@ class CellCurve:
                 raise RodError(f"The {name} of a cell does not rise at {self.pressure:g} kPa beyond {value:g} {unit}.")
 
     @cached_property
-    def placed(self) -> Placed["CellCurve"]:
+    def placed(self) -> CurveAt["CellCurve"]:
         """At its pressure."""
-        return Placed(self.pressure, self, {"moment": self.moment_by_pressure, "stretch": self.stretch_by_pressure})
+        return CurveAt(self.pressure, self, {"moment": self.moment_by_pressure, "stretch": self.stretch_by_pressure})
 
     @property
     def is_in_space(self) -> bool:
@@ -170,9 +170,9 @@ class ClampCurve:
         _freeze(self, "s", "moment")
 
     @cached_property
-    def placed(self) -> Placed["ClampCurve"]:
+    def placed(self) -> CurveAt["ClampCurve"]:
         """At its pressure."""
-        return Placed(self.pressure, self, {"rotation": self.rotation_by_pressure})
+        return CurveAt(self.pressure, self, {"rotation": self.rotation_by_pressure})
 
     @cached_property
     def position(self) -> float:
@@ -258,9 +258,9 @@ class TipCurve:
             raise RodError(f"The tip needs a multiple of four turns, not {len(self.couple)}.")
 
     @cached_property
-    def placed(self) -> Placed["TipCurve"]:
+    def placed(self) -> CurveAt["TipCurve"]:
         """At its pressure."""
-        return Placed(self.pressure, self, {})
+        return CurveAt(self.pressure, self, {})
 
     @property
     def free(self) -> "TipState":

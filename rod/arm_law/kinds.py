@@ -59,7 +59,7 @@ class Law(Protocol):
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
-class Ray:
+class LawAtRatio:
     """A law of several pressures in one ratio of them, over the largest; what is not said here is that of the law."""
 
     law: PairLaw | SpaceLaw
@@ -96,14 +96,14 @@ class Ray:
 Saved: TypeAlias = ArmLaw | PairLaw | SpaceLaw
 
 
-def along(law: Law, ratio: Sequence[float]) -> ArmLaw | Ray:
+def along(law: Law, ratio: Sequence[float]) -> ArmLaw | LawAtRatio:
     """A law of several pressures in one ratio of them. Raises `RodError` for a ratio that it does not have."""
     if not isinstance(law, PairLaw | SpaceLaw):
         raise RodError("This law has one pressure and no ratio.")
     parts = pressures_of(tuple(ratio), law.cavities)
     if min(parts) < 0.0 or not max(parts):
         raise RodError("A ratio of pressures has no part below 0, and one above.")
-    ray = Ray(law, tuple(part / max(parts) for part in parts))
+    ray = LawAtRatio(law, tuple(part / max(parts) for part in parts))
     known = law.ray(ray.parts)
     if known is None and len(ray.rows) < 2:
         raise RodError("The law has no pressures in this ratio.")

@@ -12,7 +12,7 @@ from rod.arm_law.curves import ACROSS, CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.limit import PressureLimit
 from rod.arm_law.moved import growing, moved_cell, moved_clamp, scaled_curve, scaled_rate, second_order
-from rod.arm_law.quantities import UNITS, Asked, Rods, jacobian
+from rod.arm_law.quantities import UNITS, QuantityAt, Rods, jacobian
 from rod.arm_law.rates import LawRate, changed_cells, changed_clamps, onset_rate
 from rod.arm_law.section import clamp_at, section_at, tip_at
 from rod.checked import Amount, finite, positive
@@ -191,7 +191,7 @@ class ArmLaw:
         """
         rate, pressures = self.rate(name), self.pressures
         names = [number for number in UNITS if number not in ACROSS or self.is_in_space]
-        asked = [Asked(number, pressure, self.at(pressure)).or_nan for number in names for pressure in pressures]
+        asked = [QuantityAt(number, pressure, self.at(pressure)).or_nan for number in names for pressure in pressures]
         try:
             rows = jacobian(self.rods_after([name]), asked, [self.step(name)]).reshape(len(names), -1)
         except RodError:

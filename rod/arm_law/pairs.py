@@ -16,7 +16,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.between import interpolate_columns
-from rod.arm_law.curves import CellCurve, ClampCurve, Placed, TipCurve
+from rod.arm_law.curves import CellCurve, ClampCurve, CurveAt, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.law_rod import LawRod
 from rod.arm_law.section import bracket, clamp_at, section_at, tip_at
@@ -115,7 +115,7 @@ class PairLaw:
             return first
         rods = first, self.laws[upper].at(larger, length)
         places = self.directions[lower], self.directions[upper]
-        tips = [Placed(place, rod.tip, {}) for rod, place in zip(rods, places, strict=True)]
+        tips = [CurveAt(place, rod.tip, {}) for rod, place in zip(rods, places, strict=True)]
         clamps = [self._clamp(k, lower, rod) for k, rod in zip((lower, upper), rods, strict=True)]
         cells, clamps, tips = self.cells_around(lower, larger), _on_equal_nodes(clamps), _on_equal_nodes(tips)
         return replace(
@@ -146,11 +146,11 @@ class PairLaw:
         lower, upper, _ = bracket(self.directions, direction)
         return lower, upper
 
-    def cells_around(self, lower: int, larger: float) -> list[Placed[CellCurve]]:
+    def cells_around(self, lower: int, larger: float) -> list[CurveAt[CellCurve]]:
         """The cells of a ray and the next one where the larger pressure is so high (kPa). Raises `RodError` as `at`."""
         return _on_equal_nodes([self._cell(k, lower, larger) for k in (lower, lower + 1)])
 
-    def _cell(self, k: int, lower: int, larger: float) -> Placed[CellCurve]:
+    def _cell(self, k: int, lower: int, larger: float) -> CurveAt[CellCurve]:
         law = self.laws[k]
         section = section_at([cell.placed for cell in law.cells], larger, larger)
 
@@ -179,12 +179,12 @@ class PairLaw:
             volume=section.volume,
             **section.in_space,
         )
-        return Placed(self.directions[k], cell, slopes)
+        return CurveAt(self.directions[k], cell, slopes)
 
-    def _clamp(self, k: int, lower: int, rod: LawRod) -> Placed[ClampCurve]:
+    def _clamp(self, k: int, lower: int, rod: LawRod) -> CurveAt[ClampCurve]:
         curve, larger = rod.clamp, rod.section.pressure
         slopes = self._slopes(k, lower, larger, self.laws[k].clamps, "rotation", "moment", curve.moment)
-        return Placed(self.directions[k], curve, {"rotation": slopes})
+        return CurveAt(self.directions[k], curve, {"rotation": slopes})
 
     def _slopes(
         self, k: int, lower: int, larger: float, curves: Sequence[Any], name: str, over: str, at: Array
@@ -212,7 +212,7 @@ def _mixed(curves: Sequence[Any], pressure: float, name: str, over: str, at: Arr
     return np.asarray((1.0 - t) * low + t * high)
 
 
-def _on_equal_nodes(path: Sequence[Placed[Curve]]) -> list[Placed[Curve]]:
+def _on_equal_nodes(path: Sequence[CurveAt[Curve]]) -> list[CurveAt[Curve]]:
     """Two curves whose material curve has the nodes of the shorter one; other meshes and longer ends have others."""
     shorter = min((at.curve for at in path), key=lambda curve: abs(float(curve.s[-1] - curve.s[0])))
     return [at if at.curve is shorter else replace(at, curve=_on_nodes(at.curve, shorter.s)) for at in path]

@@ -104,7 +104,7 @@ def key_in_files(name: str) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class QuantityAt:
     """A quantity at a pressure, of arms near a known one."""
 
     name: str  #: of `QUANTITIES`

@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.between import Joined, interpolate_columns, join_states
-from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve, Placed, TipCurve, has_unloaded
+from rod.arm_law.curves import IN_SPACE, CellCurve, ClampCurve, CurveAt, TipCurve, has_unloaded
 from rod.cubics import cubic, cubic_slope, hermite, monotone_cubic, monotone_slopes, parabola_slopes
 from rod.errors import RodError
 from rod.same_pressure import known_at
@@ -57,7 +57,7 @@ class SectionLaw:
         return float(cubic(self.moment, self.kappa, self.kappa_slope, 0.0))
 
 
-def section_at(path: Sequence[Placed[CellCurve]], place: float, pressure: float) -> SectionLaw:
+def section_at(path: Sequence[CurveAt[CellCurve]], place: float, pressure: float) -> SectionLaw:
     """The law at a place between those of the curves, where the pressure is so high (kPa).
 
     Raises `RodError` outside the places of the curves, and for curves that have no curvature in common.
@@ -110,7 +110,7 @@ def section_at(path: Sequence[Placed[CellCurve]], place: float, pressure: float)
 
 
 def _volumes(
-    around: Sequence[Placed[CellCurve]], straight: Callable[[str], Array], place: float, kappa: Array
+    around: Sequence[CurveAt[CellCurve]], straight: Callable[[str], Array], place: float, kappa: Array
 ) -> Array:
     """(n, c) mm2 at curvatures (n,), which decide more than moments do; empty where a curve has none.
 
@@ -170,7 +170,7 @@ def bracket(pressures: Sequence[float], pressure: float) -> tuple[int, int, floa
 
 
 def clamp_at(
-    path: Sequence[Placed[ClampCurve]], cells: Sequence[Placed[CellCurve]], place: float, pressure: float
+    path: Sequence[CurveAt[ClampCurve]], cells: Sequence[CurveAt[CellCurve]], place: float, pressure: float
 ) -> ClampCurve:
     """The clamped end at a place, as `section_at`, from the states that belong together in the cells.
 
@@ -227,7 +227,7 @@ def _moments_in_common(pairs: Joined, first: ClampCurve, second: ClampCurve) -> 
     return np.linspace(in_common[0], in_common[-1], CLAMP_POINTS)
 
 
-def _rotations(at: Placed[ClampCurve], moment: Array, slope: Array, step: float) -> tuple[Array, Array]:
+def _rotations(at: CurveAt[ClampCurve], moment: Array, slope: Array, step: float) -> tuple[Array, Array]:
     """Of a curve at moments (n,), and their changes along the lines for a whole step of the place."""
     curve = at.curve
     inside = np.clip(moment, curve.moment[0], curve.moment[-1])
@@ -236,7 +236,7 @@ def _rotations(at: Placed[ClampCurve], moment: Array, slope: Array, step: float)
     return curve.rotation_at(moment), by_place * step + by_moment * slope
 
 
-def tip_at(path: Sequence[Placed[TipCurve]], place: float, pressure: float) -> TipCurve:
+def tip_at(path: Sequence[CurveAt[TipCurve]], place: float, pressure: float) -> TipCurve:
     """The tip at a place, as `section_at`, by cubics over the place."""
     lower, upper, t = bracket([at.place for at in path], place)
     a, b = path[lower].curve, path[upper].curve
@@ -254,13 +254,13 @@ def tip_at(path: Sequence[Placed[TipCurve]], place: float, pressure: float) -> T
     return TipCurve(pressure, a.s, *(value(name) for name in names))
 
 
-def _around(path: Sequence[Placed[Curve]], lower: int, upper: int) -> Sequence[Placed[Curve]]:
+def _around(path: Sequence[CurveAt[Curve]], lower: int, upper: int) -> Sequence[CurveAt[Curve]]:
     """The two curves of an interval, and one on each side where there is one."""
     return path[max(lower - 1, 0) : upper + 2]
 
 
 def _beyond_straight_at(
-    around: Sequence[Placed[Bent]],
+    around: Sequence[CurveAt[Bent]],
     values: Callable[[Bent, Array], Array],
     place: float,
     at: Array,

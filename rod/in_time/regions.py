@@ -13,14 +13,14 @@ from rod.in_time.relaxation import Relaxation
 STEP = 5e-3
 
 
-class Share(NamedTuple):
+class RegionShare(NamedTuple):
     """The part of a region, by the change of the arm with its moduli; the parts of all regions add up to 1."""
 
     rigidity: float  #: of the rigidity without pressure, where the arm is bent by the pressure
     pressure: float  #: of the resistance to a pressure that bends the arm
 
 
-def shares_of(law: ArmLaw, regions: Sequence[Sequence[str]], pressure: float) -> tuple[Share, ...]:
+def shares_of(law: ArmLaw, regions: Sequence[Sequence[str]], pressure: float) -> tuple[RegionShare, ...]:
     """The shares of regions at a pressure in kPa, each by the names of its materials, as material or materials.base.
 
     With all moduli E of an arm its rigidity grows by the sum of E times the derivative by it, and so does the pressure
@@ -38,7 +38,7 @@ def shares_of(law: ArmLaw, regions: Sequence[Sequence[str]], pressure: float) ->
         stiffer = more.at(0.0).rigidity_at(arm.kappa_0) - less.at(0.0).rigidity_at(arm.kappa_0)
         found.append((stiffer, less.at(pressure).section.kappa_0 - more.at(pressure).section.kappa_0))
     parts = np.array(found)
-    return tuple(Share(*row) for row in (parts / parts.sum(axis=0)).tolist())
+    return tuple(RegionShare(*row) for row in (parts / parts.sum(axis=0)).tolist())
 
 
 def mixed(rubbers: Sequence[Relaxation], shares: Sequence[float]) -> Relaxation:

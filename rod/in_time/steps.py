@@ -65,7 +65,7 @@ class Moment:
     felt_then: Array  #: (c,) kPa, the pressure then
     late: Array  #: (K, c) kPa, what of it was not felt yet
     pressure: Array  #: (c,) kPa
-    error: float = 0.0  #: of the step, as in `rod.arm.step_kernels.Told`, and so is the speed
+    error: float = 0.0  #: of the step, as in `rod.arm.step_kernels.StepReport`, and so is the speed
     fast: float = 0.0
     outside: float = 0.0  #: 1/mm, by how much a curvature leaves the law
     volume: float = 0.0  #: mm3, of air that decides on its pressure

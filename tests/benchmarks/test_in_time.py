@@ -9,7 +9,7 @@ from benchmarks.in_time.measured import segment_lines
 from fem import Fixed, Gravity, Model, Pressure, StVenantKirchhoff, follow
 from fem.discretisation import Discretisation
 from geometry.arrays import Array
-from pipeline.answers.measured.motions import Ringing
+from pipeline.answers.measured.motions import DampedOscillation
 from rod import Relaxation
 from tests.bodies import box
 
@@ -88,7 +88,7 @@ def test_a_bar_that_swings_far_keeps_its_energy() -> None:
 def test_frequency_and_damping_of_a_motion_that_creeps_come_back() -> None:
     time, rate, damping = np.arange(0.0, 3.0, 0.01), 2.0 * np.pi * 3.3, 0.06
     value = 20.0 + 2.0 * np.exp(-time / 0.8) - 15.0 * np.exp(-damping * rate * time) * np.cos(rate * time)
-    found = Ringing.of(time, value)
+    found = DampedOscillation.of(time, value)
     size = np.hypot(1.0, damping)
     assert found[:2] == pytest.approx((3.3 * size, damping / size), rel=1e-4)
 

@@ -10,7 +10,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from geometry.arrays import Array
-from pipeline.answers.measured.motions import Ringing
+from pipeline.answers.measured.motions import DampedOscillation
 from pipeline.results.laws import law_of_record
 from rod import (
     Air,
@@ -147,7 +147,7 @@ def test_a_small_motion_rings_as_a_large_one(force: float) -> None:
     mode = frequencies(body, 0.0, count=1)[0]
     motion = move(body, 0.0, 3.0, Loading(), Start(acting=Loading((0.0, force))))
     time = np.linspace(0.0, 3.0, 900)
-    ringing = Ringing.of(time, CubicSpline(motion.times_s, motion.tips[:, 1])(time))
+    ringing = DampedOscillation.of(time, CubicSpline(motion.times_s, motion.tips[:, 1])(time))
     assert ringing.frequency == pytest.approx(mode.frequency_hz, rel=5e-3)
     assert ringing.damping == pytest.approx(mode.damping_ratio, rel=3e-2)
 

@@ -25,7 +25,7 @@ TOP, TOPS, LEAST = 0.05, 3, 20
 MEANS, HALF = 3, 0.2
 
 
-class Ringing(NamedTuple):
+class DampedOscillation(NamedTuple):
     """c + b exp(-t/tau) + exp(-x omega t) (a cos omega t + d sin omega t), by least squares.
 
     Frequency and damping ratio are those of a vibration exp(rate t), as `rod.Mode` has them.
@@ -36,7 +36,7 @@ class Ringing(NamedTuple):
     begun: float  #: s, of its first top
 
     @classmethod
-    def of(cls, time: Array, value: Array) -> "Ringing":
+    def of(cls, time: Array, value: Array) -> "DampedOscillation":
         """Of values (n,) at times (n,) in s from a release on, with two tops at least."""
         tops = tops_of(value)
         guess, begun = 1.0 / float(time[tops[1]] - time[tops[0]]), float(time[tops[0]])
@@ -90,7 +90,7 @@ def _told(path: Path, state: State, motion: Sequence[Row]) -> list[Row]:
     largest, free = values[:, np.ptp(values, axis=0).argmax()], replace(state, force_N=(0.0, 0.0))
     begun, period, found = max(float(time[0]), float(time[-1]) / LEAST), 0.0, []
     if len(tops_of(largest)) >= TOPS:
-        ringing = Ringing.of(time, largest)
+        ringing = DampedOscillation.of(time, largest)
         period = 1.0 / ringing.frequency
         begun = ringing.begun + QUIET * period
         found.append(Row(motion[0].line, free, dict(zip(VIBRATION, ringing[:2], strict=True))))

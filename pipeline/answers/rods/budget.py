@@ -26,7 +26,7 @@ from pipeline.values.run import Run
 from pipeline.values.table import Table
 from rod.arm_law.curves import ACROSS
 from rod.arm_law.law import ArmLaw
-from rod.arm_law.quantities import QUANTITIES, Asked, Rods, jacobian
+from rod.arm_law.quantities import QUANTITIES, QuantityAt, Rods, jacobian
 
 #: titles of the quantities of the table, by name; the tip comes first
 LIMIT = "limit"
@@ -140,7 +140,7 @@ def make_budgets(
     most = {name: by for key, one in chosen.items() for name, by in _moves(law, key, one).items() if name != PRESSURE}
     names = [name for name in QUANTITIES if name in NUMBERS and (name != "force" or held_mm is not None)]
     here, after, parts = cache(law.at), law.rods_after(list(most)), len(pressures_kPa)
-    asked = [Asked(name, p, here(p), held_mm or 0.0).or_nan for p in pressures_kPa for name in names]
+    asked = [QuantityAt(name, p, here(p), held_mm or 0.0).or_nan for p in pressures_kPa for name in names]
 
     def at(changes: Array) -> Rods:
         rods = after(changes[1:])

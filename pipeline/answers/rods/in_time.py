@@ -16,7 +16,7 @@ from pipeline.values.errors import InputError
 from pipeline.values.reasons import report_reason
 from pipeline.values.run import Run
 from rod import ArmLaw, Body, Relaxation, RodError, frequencies
-from rod.in_time.regions import Share, mixed, shares_of
+from rod.in_time.regions import RegionShare, mixed, shares_of
 
 #: lowest and highest frequency over that of the first vibration, of a loss factor without frequencies
 BAND = 10.0**-0.5, 10.0**0.5
@@ -88,7 +88,7 @@ def _of_several(
     rubbers = (body.relaxation, *(rubber for rubber, _ in others.values()))
     for part, (name, (_, own)) in zip(parts[1:], others.items(), strict=True):
         told += f" {own.replace('Its rubber', f'That of {name}, {100.0 * part.rigidity:.0f} % of the rigidity,')}"
-    forces, felt = (mixed(rubbers, [getattr(part, name) for part in parts]) for name in Share._fields)
+    forces, felt = (mixed(rubbers, [getattr(part, name) for part in parts]) for name in RegionShare._fields)
     return replace(body, relaxation=forces, felt=felt), told
 
 

@@ -59,7 +59,7 @@ OF_AIR: dict[str, Callable[[str], float]] = {
 
 
 @dataclass(frozen=True, eq=False)  # an array inside
-class Asked:
+class MotionRequest:
     """A motion that is asked for."""
 
     pressure: Any  #: kPa from 0 s on, one for each cavity, or rows (n, 1 + c) of a time in s and pressures
@@ -72,7 +72,7 @@ class Asked:
     @staticmethod
     def read(
         pressure: Any, seconds: float, loading: Loading, *, release: bool, air: str | None = None, step: Any = None
-    ) -> "Asked":
+    ) -> "MotionRequest":
         """From options, as `pneurod.move` takes them. Raises InputError."""
         is_file = isinstance(pressure, Path) or (isinstance(pressure, str) and pressure.endswith(".csv"))
         acts = _read_table(Path(pressure)) if is_file else option_pressures("pressure", pressure)
@@ -84,7 +84,7 @@ class Asked:
                 f"meant? give {LONGEST:g} at most"
             )
         steps = Steps(None if step is None else option_value("step", step, units.TIME))
-        return Asked(acts, seconds, loading, release, None if air is None else _read_air(air), steps)
+        return MotionRequest(acts, seconds, loading, release, None if air is None else _read_air(air), steps)
 
     @property
     def during(self) -> Loading:
@@ -135,7 +135,7 @@ class ArmMotion:
         return [went, *self.notes]
 
 
-def move_arm(run: Run, rods: Rods, asked: Asked, out: Path, remark: Callable[[str], None]) -> ArmMotion:
+def move_arm(run: Run, rods: Rods, asked: MotionRequest, out: Path, remark: Callable[[str], None]) -> ArmMotion:
     """Move the arm of a run; motion.csv and motion.html are in `out`. remark: is told how long it takes.
 
     Raises InputError for what cannot begin, and RunFailed, which has the motion up to the last good time as `reached`,
@@ -185,7 +185,7 @@ def side_of(rods: Rods) -> float:
     return -1.0 if isinstance(free, RodSolution) and free.theta[-1] < 0.0 else 1.0
 
 
-def _vibration(body: Body, moved: Motion, asked: Asked) -> list[str]:
+def _vibration(body: Body, moved: Motion, asked: MotionRequest) -> list[str]:
     """A sentence on the first vibration where the motion ends; none for a rod without such an equilibrium."""
     with suppress(RodError):
         mode = frequencies(body, moved.pressures_kPa[-1], asked.during, 1)[0]

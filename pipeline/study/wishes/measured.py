@@ -30,7 +30,7 @@ from pipeline.values.pressure import in_MPa
 from rod import Rod, RodError
 from rod.arm_law.curves import CellCurve
 from rod.arm_law.law import ArmLaw
-from rod.arm_law.quantities import Asked, jacobian
+from rod.arm_law.quantities import QuantityAt, jacobian
 from rod.arm_law.rates import CellRate, ClampRate, LawRate
 from rod.load import Loading
 
@@ -211,9 +211,9 @@ def numbers_of(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> Arra
     return np.concatenate([one.of(law.at) for one in _asked(law, wishes, values)])
 
 
-def _asked(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> list[Asked]:
+def _asked(law: ArmLaw, wishes: Wishes, values: Mapping[str, float]) -> list[QuantityAt]:
     pairs = [(wish, wish.pressure(values)) for wish in wishes.wishes]
-    return [Asked(wish.quantity, p, law.at(p), wish.given, wish.under) for wish, p in pairs]
+    return [QuantityAt(wish.quantity, p, law.at(p), wish.given, wish.under) for wish, p in pairs]
 
 
 def with_pressures(law: ArmLaw, values: Mapping[str, float]) -> ArmLaw:

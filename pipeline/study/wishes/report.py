@@ -26,7 +26,7 @@ LEFT = 0.9
 LIMITS = (("mass", "_g", 1.0), ("largest_stretch", "", 1.0), ("smallest_wall", "_mm", -1.0))
 
 
-def behind(model: Model) -> tuple[str, ...]:
+def active_constraints(model: Model) -> tuple[str, ...]:
     """A sentence for each bound, limit and material without which nothing would be missed, or else less."""
     before, told, met = model.worth(np.log(model.point)).misses.max(), dict[int, str](), set[int]()
     for step in STEPS:
@@ -185,7 +185,7 @@ def report_of(
     objective = None if np.isnan(trial.worth.objective) else trial.worth.objective
     start = wishes.values(wishes.start)
     ends = ((one, bound) for one in wishes.free for bound in (one.low, one.high))
-    way = () if trial.worth.is_within(1.0) else behind(Model(file, trial.point, trial.numbers))
+    way = () if trial.worth.is_within(1.0) else active_constraints(Model(file, trial.point, trial.numbers))
     return DesignReport(
         *(file.source, directory, file.name, start, values, results, limits, objective, found.history, run, way),
         bounds=tuple(f"{e.key}, {b:.4g} {e.unit}" for e, b in ends if abs(np.log(values[e.key] / b)) < AT),

@@ -11,7 +11,7 @@ from pipeline.api.frames import sensitivities_frame
 from pipeline.config.tolerances import Tolerances
 from pipeline.results.laws import law_record
 from pipeline.study.wishes import wish
-from rod.arm_law.quantities import QUANTITIES, UNITS, Asked, Quantity, jacobian, key_in_files
+from rod.arm_law.quantities import QUANTITIES, UNITS, Quantity, QuantityAt, jacobian, key_in_files
 from rod.errors import RodError
 from tests.measured_arm import BENDING, EI, THICKER, arm_law
 
@@ -56,7 +56,7 @@ def test_quantities_of_an_arm_in_closed_form() -> None:
     known = law.at(pressure)
 
     def number(name: str, given: float = math.nan) -> float:
-        return float(Asked(name, pressure, known, given).of(law.at)[0])
+        return float(QuantityAt(name, pressure, known, given).of(law.at)[0])
 
     kappa_0 = BENDING * pressure
     turn = kappa_0 * known.length
@@ -66,7 +66,7 @@ def test_quantities_of_an_arm_in_closed_form() -> None:
     assert number("angle") == pytest.approx(abs(math.degrees(turn)), rel=1e-6)
     assert number("tip") == pytest.approx(math.sin(turn) / kappa_0, rel=1e-6)
     assert number("force", float(known.solve().end[1])) == pytest.approx(0.0, abs=1e-9)
-    tip = Asked("tip", pressure, known)
+    tip = QuantityAt("tip", pressure, known)
     by_wall = jacobian(law.rods_after(["geometry.wall"]), [tip.of], [law.step("geometry.wall")])[:, 0]
     more = THICKER * kappa_0
     expected = more * (known.length * math.cos(turn) / kappa_0 - math.sin(turn) / kappa_0**2)

@@ -12,7 +12,7 @@ from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from pipeline.study.wishes import search
 from pipeline.study.wishes.measured import NotBorne, Response
-from pipeline.study.wishes.report import behind, report_of
+from pipeline.study.wishes.report import active_constraints, report_of
 from pipeline.study.wishes.search import Search, SearchResult, Trial, starts
 from pipeline.study.wishes.step import Model, Worth, propose
 from pipeline.study.wishes.wish import WishFile
@@ -153,7 +153,7 @@ def test_a_limit_in_the_way_is_named(tmp_path: Path) -> None:
     """The wished arm has a wall of 1.1 mm; the limit asks for 1.3 mm."""
     file = small(tmp_path, TWO + "limits: {smallest_wall: 1.3 mm}\n")
     own = model(file, np.array([1.3, 1.5]))
-    assert "limits.smallest_wall, 1.3 mm, is in the way; at 1.09 mm nothing would be missed" in behind(own)
+    assert "limits.smallest_wall, 1.3 mm, is in the way; at 1.09 mm nothing would be missed" in active_constraints(own)
 
 
 @pytest.mark.parametrize(("factor", "word"), [(0.8, "stiff"), (1.25, "soft")])
@@ -163,7 +163,7 @@ def test_the_material_is_a_reason(tmp_path: Path, factor: float, word: str) -> N
     stiff = own.numbers.by_stiffness / own.numbers.values
     values = own.numbers.values * factor**-stiff
     changed = replace(own.numbers, values=values, rates=0.0 * own.numbers.rates, by_stiffness=stiff * values)
-    (told,) = behind(replace(own, numbers=changed))
+    (told,) = active_constraints(replace(own, numbers=changed))
     assert told.startswith(f"the material is too {word}; with ")
     assert float(told.split("with ")[1].split(" ")[0]) == pytest.approx(factor, rel=0.05)
     assert told.endswith("times its moduli nothing would be missed")
@@ -172,7 +172,7 @@ def test_the_material_is_a_reason(tmp_path: Path, factor: float, word: str) -> N
 def test_nothing_is_told_where_no_bound_helps(tmp_path: Path) -> None:
     own = model(small(tmp_path, TWO), np.array([1.1, 1.9]))
     off = replace(own.numbers, values=2.0 * own.numbers.values, rates=0.0 * own.numbers.rates)
-    assert behind(replace(own, numbers=replace(off, by_stiffness=0.0 * off.by_stiffness))) == ()
+    assert active_constraints(replace(own, numbers=replace(off, by_stiffness=0.0 * off.by_stiffness))) == ()
 
 
 def test_a_design_that_is_not_borne_is_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
