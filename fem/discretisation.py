@@ -25,7 +25,7 @@ MIN_CHUNK_SIZE, MAX_CHUNKS = 64, 32
 
 
 def pairs_within(nodes: Index) -> tuple[Index, Index, Mask]:
-    """Of all pairs of nodes in each row of (m, a), the smaller and the larger one (k m,), and whether they were swapped
+    """All pairs of nodes in each row of (m, a): the smaller and the larger one (k m,), and whether they were swapped
     for it (k m,)."""
     a, b = np.triu_indices(nodes.shape[1])
     first, second = nodes[:, a].ravel(), nodes[:, b].ravel()
@@ -61,7 +61,7 @@ class Faces:
 
     @cached_property
     def node_pairs(self) -> tuple[Index, Index, Mask]:
-        """Of all pairs a <= b of nodes of each face, the smaller and the larger node (m f,), and whether they were
+        """For all pairs a <= b of nodes of each face, the smaller and the larger node (m f,), and whether they were
         swapped for it (m f,). The same arrays on each call, so that their position in a matrix can be kept."""
         return pairs_within(self.nodes)
 
@@ -118,7 +118,7 @@ class Discretisation:
         )
 
     def moved(self, points: Array) -> "Discretisation":
-        """The same elements with their nodes at other positions (n, 3), mm; straight edges must stay straight."""
+        """These elements with their nodes at other positions (n, 3), mm; straight edges must stay straight."""
         _, _, fraction = _stress_points(self.element)
         geometry = _straight if self.inverse.shape[1] == 1 else _curved
         inverse, weight = geometry(points[self.nodes], self.reference, fraction)

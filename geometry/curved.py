@@ -41,7 +41,7 @@ class CurvedEdges:
         return len(self.ends)
 
     def renumbered(self, new: Index) -> "CurvedEdges":
-        """Those whose ends have a number in `new` (n,), with it; -1 stands for a vertex that is left out."""
+        """The edges whose ends have a number in `new` (n,), with it; -1 stands for a vertex that is left out."""
         ends = new[self.ends]
         kept = (ends >= 0).all(axis=1)
         return CurvedEdges(ends[kept], self.middles[kept])
@@ -79,7 +79,7 @@ NO_CURVED_EDGES = CurvedEdges(np.empty((0, 2), dtype=np.int64), np.empty((0, 3))
 
 
 def curved_edges(points: Array, pairs: Index, middles: Array) -> CurvedEdges:
-    """Of the edges between vertices pairs (k, 2) of `points` (n, 3) with `middles` (k, 3), those that are curved."""
+    """The curved ones of the edges between vertices pairs (k, 2) of `points` (n, 3) with `middles` (k, 3)."""
     a, b = points[pairs[:, 0]], points[pairs[:, 1]]
     away = np.linalg.norm(middles - (a + b) / 2, axis=1) > STRAIGHT * np.linalg.norm(b - a, axis=1)
     return CurvedEdges(pairs[away], middles[away])

@@ -76,7 +76,7 @@ def named_triangles(content: Any) -> dict[str, Index]:
 
 
 def named_rows(content: Any, dimension: int, kinds: tuple[str, ...]) -> dict[str, dict[int, Index]]:
-    """Of each named physical group of a dimension its rows in each block of these kinds of cells, by the number of the
+    """For each named physical group of a dimension its rows in each block of these kinds of cells, by the number of the
     block; a cell in several groups is listed under each of their names."""
     groups: dict[str, dict[int, Index]] = {}
     for name in content.field_data:

@@ -154,7 +154,7 @@ class Support:
         return {axis: at for axis, at in values.items() if at is not None}
 
     def seen_from(self, start: Sequence[float]) -> "Support":
-        """The same where x, y and z are measured from a start."""
+        """These loads where x, y and z are measured from a start."""
         x, y, z = (None if at is None else at - origin for at, origin in zip(self.position, start, strict=True))
         return replace(self, x=x, y=y, z=z)
 
@@ -172,7 +172,7 @@ class Reaction(NamedTuple):
 
 
 def reactions_of(supports: Sequence[Support], values: Array) -> tuple[Reaction, ...]:
-    """By support; values: (k,) N or N mm, of all that is held."""
+    """Reactions by support; values: (k,) N or N mm, of all that is held."""
     found, left = [], iter(values.tolist())
     for one in supports:
         of = dict.fromkeys((0, 1, 2, 5), 0.0) | {axis: next(left) for axis in one.held}

@@ -174,7 +174,7 @@ class SpatialSolution(Printable):
 
     @property
     def told(self) -> dict[str, str]:
-        """As `RodSolution.told`, with the stability."""
+        """The lines of `RodSolution.told`, with the stability."""
         left = f"{self.stability.lowest:.3f} of the rigidity without load is left in the softest direction"
         turn = {"points along": listed(self.frames[-1, :, 0])}
         return _told(self, turn, listed(self.moment[0], "N mm")) | {"stability": left}
@@ -185,7 +185,7 @@ class SpatialSolution(Printable):
         return stability_of(self.path)
 
     def derivative(self, by: Parameter) -> Response:
-        """As `RodSolution.derivative`; a load may have three components."""
+        """The derivative as of `RodSolution.derivative`; a load may have three components."""
         return self.path.derivative(by)
 
     @property

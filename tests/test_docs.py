@@ -1,5 +1,6 @@
 """The documentation: links and paths exist, the glossary is used, and the words are those of the field."""
 
+import ast
 import re
 import tomllib
 from dataclasses import fields
@@ -14,6 +15,7 @@ from pipeline.cli import app
 from pipeline.study.effects.rows import EffectRow
 from pipeline.values.parameters import RodParameters
 from pipeline.values.run import RodError, State
+from tests.reading import read_sources
 
 HERE = Path(__file__).resolve().parent.parent
 PAGES = [HERE / "README.md", HERE / "CONTRIBUTING.md", HERE / "CHANGELOG.md", *sorted((HERE / "docs").rglob("*.md"))]
@@ -192,3 +194,16 @@ def test_one_subtitle_stands_everywhere() -> None:
     assert f"\n\n{subtitle}.\n" in texts["README.md"]
     assert app.info.help == f"{subtitle}."
     assert all(f"  - {word}" in texts["CITATION.cff"] for word in project["keywords"])
+
+
+def test_docstrings_stand_alone() -> None:
+    """They begin with what a thing is or does, and do not go on from its name."""
+    begins = re.compile(r"(Of|That|Those|The same|As|By|In)\b")
+    found = [
+        f"{file.path}: {node.name}: {text.partition(chr(10))[0]}"
+        for file in read_sources()
+        for node in file.nodes
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_")
+        if begins.match(text := ast.get_docstring(node) or "")
+    ]
+    assert found == []

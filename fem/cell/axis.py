@@ -43,7 +43,7 @@ def axis_of(piece: BendingPiece, at: PieceState, known: Slopes) -> Axis:
     length = length_of(phi, c, y + eta)
 
     def change(displacement: Array, angle: float) -> float:
-        """Of the length of the axis with a displacement (n, 3) that belongs to a change of the angle."""
+        """Change of the length of the axis with a displacement (n, 3) that belongs to a change of the angle."""
         dc = float(displacement[last, :2] @ normal) + eta * angle
         deta = float(displacement[last, :2] @ along) - c * angle
         dy = float(displacement[first, 1])
@@ -63,7 +63,7 @@ def axis_of(piece: BendingPiece, at: PieceState, known: Slopes) -> Axis:
 
 
 def length_of(phi: float, distance: float, heights: float) -> float:
-    """Of the axis over a half cell whose plane has turned by phi, mm; linear in the others.
+    """Length of the axis over a half cell whose plane has turned by phi, mm; linear in the others.
 
     distance: c, mm; heights: the sum of those of the material curve in both planes, mm.
     """

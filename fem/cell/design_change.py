@@ -105,7 +105,7 @@ class DesignChange:
         return DesignChange(first, second, step, np.zeros_like(piece.space.points), 0.0)
 
     def limit_rate(self, piece: BendingPiece, at: PieceState, along: State) -> float:
-        """Of an extreme pressure without moment, MPa per unit.
+        """Change of an extreme pressure without moment, MPa per unit.
 
         along: change of the state without moment by ln V, at the constant pressure. With R the gradient, K along = 0
         there, so that along . (dR/dp dp + dR/dd dd) = 0, and -dR/dp . along = dV / d ln V = V.

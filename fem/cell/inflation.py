@@ -201,7 +201,7 @@ class FreePoint:
 
     @property
     def path_point(self) -> PathPoint:
-        """On the way along the air."""
+        """The state as a point of the way along the air."""
         return PathPoint(self.air, 1.0, self.state.state, self.state.touches, self.rate)
 
 
@@ -251,7 +251,7 @@ class AirPath:
 
     @classmethod
     def of(cls, piece: BendingPiece) -> "AirPath":
-        """That which the piece keeps."""
+        """The way along the air that the piece keeps."""
         return piece.kept("along the air", lambda: cls(piece))
 
     def points(self) -> Iterator[FreePoint]:

@@ -40,7 +40,7 @@ SMALL = 0.05
 @final
 @dataclass(frozen=True)
 class LateralRigidities:
-    """Of the whole body at one state of a half cell."""
+    """Rigidities of the whole body out of its plane at one state of a half cell."""
 
     bending: float  #: B_2, moment about the normal of the axis over the lateral curvature, N mm2
     torsion: float  #: GJ, torque over twist without shear force, N mm2

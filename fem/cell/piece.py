@@ -137,7 +137,7 @@ class BendingPiece:
 
     @property
     def factorizations(self) -> int:
-        """Of all states and slopes so far, those of attempts without equilibrium included.
+        """Factorizations of all states and slopes so far, those of attempts without equilibrium included.
 
         Those of a kept result count each time it is used: numbers do not depend on which process did what before.
         """
@@ -159,12 +159,12 @@ class BendingPiece:
         return result
 
     def count_again(self, factorizations: int) -> None:
-        """Those of a result that is used again."""
+        """Count the factorizations of a result that is used again."""
         self._repeated += factorizations
 
     @property
     def name(self) -> str:
-        """In sentences."""
+        """Name of the piece in sentences."""
         return BOUNDARY_NAMES[self.start]
 
     @property
@@ -179,7 +179,7 @@ class BendingPiece:
         return VolumeControl.behind(self._system, loads)
 
     def volume(self, state: State) -> float:
-        """That air of the whole body in a state, mm3."""
+        """Air of the whole body in a state, weighted as in `air`, mm3."""
         return self.whole * self.air.volume(self.space.points + state.displacement)
 
     def is_swollen(self, volume: float) -> bool:

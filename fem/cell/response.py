@@ -110,7 +110,7 @@ def _slopes(piece: BendingPiece, at: PieceState) -> Slopes:
     angle_change = by_angle.displacement + turned
 
     def moment_change(change: Change, displacement: Array, force: float) -> float:
-        """Of a change of the unknowns and of the whole displacement; force: d f . (e_z x x) at fixed unknowns."""
+        """Change of the moment with unknowns and whole displacement; force: d f . (e_z x x) at fixed unknowns."""
         work = float(np.vdot(coupling.displacement, change.displacement)) + force
         work += float(np.vdot(coupling.pressure, change.pressure))
         lever = float(np.vdot(assembly.gradient[piece.plane], turn(displacement[piece.plane])))

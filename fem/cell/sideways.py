@@ -113,7 +113,7 @@ class Place:
 
     @property
     def normal(self) -> Array:
-        """Of the plane."""
+        """Normal of the plane."""
         return np.array([np.cos(self.at.angle), np.sin(self.at.angle), 0.0])
 
     @property

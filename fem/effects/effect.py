@@ -71,7 +71,7 @@ class Term(ABC):
         return self
 
     def stressed(self, x: Array, dx: Array) -> Self:
-        """The same with a stress alone, which a predictor may foresee as well, to first order."""
+        """This term with a stress alone, which a predictor may foresee as well, to first order."""
         return self
 
     def settled(self) -> Self:

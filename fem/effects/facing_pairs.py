@@ -111,13 +111,13 @@ class FacingPairs:
         return cls(node, triangle, _node_areas(rest, surface.triangles)[node] / count[node], is_mirrored[is_crease])
 
     def without(self, others: "FacingPairs") -> "FacingPairs":
-        """Those that are not among the others."""
+        """The pairs that are not among the others."""
         theirs = set(map(tuple, np.column_stack([others.nodes, others.triangles, others.is_mirrored]).tolist()))
         mine = np.column_stack([self.nodes, self.triangles, self.is_mirrored]).tolist()
         return self.taken(np.flatnonzero([tuple(pair) not in theirs for pair in mine]))
 
     def joined(self, others: "FacingPairs") -> "FacingPairs":
-        """These and the others."""
+        """These pairs and the others."""
         nodes, triangles = np.append(self.nodes, others.nodes), np.concatenate([self.triangles, others.triangles])
         is_mirrored = np.append(self.is_mirrored, others.is_mirrored)
         return FacingPairs(nodes, triangles, np.append(self.area, others.area), is_mirrored)
@@ -128,7 +128,7 @@ class FacingPairs:
 
     @property
     def node_pairs(self) -> tuple[Index, Index]:
-        """Of the ten pairs of the four nodes of each gap, the smaller and the larger node (10 k,)."""
+        """For the ten pairs of the four nodes of each gap, the smaller and the larger node (10 k,)."""
         return pairs_within(self.corners)[:2]
 
     def gaps(self, x: Array) -> Array:

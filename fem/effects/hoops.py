@@ -67,7 +67,7 @@ class Hoops(Membrane):
 
 
 def faces_along(points: Array, triangles: Index) -> Index:
-    """Those of the triangles (f, 3) on which threads about the x axis run: none across it; points (n, 3)."""
+    """The triangles out of (f, 3) on which threads about the x axis run: none across it; points (n, 3)."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
     normal = np.cross(b - a, c - a)
     return triangles[np.linalg.norm(normal[:, 1:], axis=1) > ALONG * np.linalg.norm(normal, axis=1)]

@@ -128,7 +128,7 @@ class _Pairs:
 
     @staticmethod
     def of(nodes: Index, bending: BendingForm) -> "_Pairs":
-        """Of the faces with nodes (f, a)."""
+        """The geometry of the faces with nodes (f, a)."""
         first, second, swapped = pairs_within(nodes)
         rows, columns, values = bending.blocks
         return _Pairs(np.concatenate([first, rows]), np.concatenate([second, columns]), swapped, values)
@@ -149,7 +149,7 @@ class LayerTerm(Term):
 
     @staticmethod
     def of(sheet: Membrane, nodes: Index, points: Array, mirror: Mask) -> "LayerTerm":
-        """On faces with nodes (f, a) at rest at points (n, 3), mm."""
+        """The membrane on faces with nodes (f, a) at rest at points (n, 3), mm."""
         gradients, area, frame = _geometry(points[nodes], sheet.stress_points)
         arrays = MembraneArrays(nodes, gradients, sheet.thickness * area, sheet.law(frame))
         rigidity, nu = sheet.bending
@@ -189,7 +189,7 @@ class LayerTerm(Term):
         return replace(self, carried=None)
 
     def sideways(self) -> "LayerTerm":
-        """The same for motions that are antisymmetric about the plane of symmetry, in which they make no crease."""
+        """The tangent for motions that are antisymmetric about the plane of symmetry, in which they make no crease."""
         return self.of(self.sheet, self.arrays.nodes, self.bending.rest, np.zeros_like(self.mirror))
 
     def stress(self, x: Array) -> Array:

@@ -58,7 +58,7 @@ class MirroredLayerTerm(Term):
 
     @staticmethod
     def of(layer: LayerTerm, plane: Index, ends: Index, points: Array) -> "MirroredLayerTerm":
-        """Of a bound layer; points (n, 3) at rest, mm."""
+        """The mirrored image of a bound layer; points (n, 3) at rest, mm."""
         mirror = np.zeros(points.shape[0], dtype=bool)
         mirror[plane] = True
         form = mirror_form(points, layer.arrays.nodes, *layer.sheet.bending, mirror)

@@ -27,7 +27,7 @@ class State:
 
     @property
     def change(self) -> "Change":
-        """Of a rate of states: the rate of the unknowns alone."""
+        """The rate of the unknowns alone, of a rate of states."""
         return Change(self.factor, self.displacement, self.pressure)
 
 

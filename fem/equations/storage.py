@@ -82,7 +82,7 @@ class Reduction:
         )
 
     def with_values(self, transformation: sp.csr_matrix) -> "Reduction":
-        """The same products for another T with the same stored entries."""
+        """These products for another T with the same stored entries."""
         return replace(self, transformation=transformation)
 
     def values(self, data: Array) -> Array:
@@ -139,7 +139,7 @@ class TangentStorage:
 
     @property
     def pattern(self) -> Pattern:
-        """Of the assembled tangent."""
+        """Sparsity pattern of the assembled tangent."""
         self._bring_up_to_date()
         return self._pattern
 

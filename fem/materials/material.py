@@ -36,7 +36,7 @@ class Constant(Enum):
 
     @property
     def unit(self) -> str:
-        """As it follows each number in a configuration; empty for a dimensionless constant."""
+        """The unit that follows each number in a configuration; empty for a dimensionless constant."""
         dimensionless = (Constant.POSITIVE, Constant.POISSON_RATIO, Constant.EXPONENTS)
         return "" if self in dimensionless else " MPa"
 

@@ -41,7 +41,7 @@ class Control(ABC):
 
     @final
     def target(self, value: float, constant_fraction: float) -> Self:
-        """The same quantity at another prescribed value."""
+        """This control at another prescribed value."""
         return replace(self, value=value, constant_fraction=constant_fraction)
 
     @cached_property

@@ -59,7 +59,7 @@ def _limit_point(system: System, reason: Reason, law_is_named: bool) -> Reasons:
 
 
 def instability(system: System, converged: Converged, terms: Terms) -> Reasons:
-    """In how many directions an equilibrium is unstable, and where it falls; empty for a stable one.
+    """Count of the directions in which an equilibrium is unstable, and where it falls; empty for a stable one.
 
     Factorizes where it is unstable.
     """
@@ -74,7 +74,7 @@ def instability(system: System, converged: Converged, terms: Terms) -> Reasons:
 
 
 def instability_of(system: System, step: Step) -> Reasons:
-    """The same of a finished step, under the constraints of a system, which need not be those of its path."""
+    """The `instability` of a finished step, under the constraints of a system, which need not be those of its path."""
     state = system.state_at(step.displacement, step.factor)
     terms = at_constant_fraction(ActiveSet.of_step(system.terms, step).active, 1.0)
     assembly = system.assemble(state, terms)

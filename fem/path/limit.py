@@ -77,7 +77,7 @@ def _compared(before: PathPoint, last: PathPoint, increment: float, name: str) -
 
 
 def difference(first: State, second: State) -> float:
-    """Of two states over the first, in displacement or strain, whichever is larger (norms); 0 where that is at rest."""
+    """Difference of two states over the first, in displacement or strain, whichever is larger (norms); 0 from rest."""
     parts = [
         float(np.linalg.norm(getattr(second, name) - value) / size)
         for name in ("displacement", "strain")

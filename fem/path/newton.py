@@ -89,7 +89,7 @@ class Converged:
 
     @property
     def negative_pivots(self) -> int:
-        """Of the last iteration's tangent; 0 where no iteration was needed, as at rest."""
+        """Negative pivots of the last iteration's tangent; 0 where no iteration was needed, as at rest."""
         return 0 if self.linearised is None else self.linearised.negative_pivots
 
 

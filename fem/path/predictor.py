@@ -121,7 +121,7 @@ class Predictor:
         return None
 
     def rate_with_constants(self, point: Control, converged: Converged, terms: Terms) -> State | None:
-        """The same on the way to the first target, while constant loads and displacements grow as well."""
+        """The rate on the way to the first target, while constant loads and displacements grow as well."""
         ahead = point.value - self.rest.value
         if converged.linearised is None or not ahead:
             return None
@@ -194,5 +194,5 @@ def _small_step(last: PathPoint, value: float) -> State | None:
 
 
 def weighted_sum(parts: Sequence[tuple[float, State]]) -> State:
-    """Of states, field by field."""
+    """Weighted sum of states, field by field."""
     return State(*(sum(weight * getattr(state, part.name) for weight, state in parts) for part in fields(State)))

@@ -62,7 +62,7 @@ class IncrementSolver:
         return True
 
     def positions(self, converged: Converged) -> Array:
-        """Of all nodes, (n, 3) in mm."""
+        """Positions of all nodes, (n, 3) in mm."""
         return self.system.space.points + converged.state.displacement
 
     def solve(self, increment: Increment) -> Converged:

@@ -125,7 +125,7 @@ class Design(ABC):
 
     @property
     def meshed_volume(self) -> float:
-        """Of the solid that is meshed: here the half z >= 0 alone, mm3."""
+        """Volume of the solid that is meshed: here the half z >= 0 alone, mm3."""
         return self.solid_volume / 2
 
     @property
@@ -176,7 +176,7 @@ class Design(ABC):
         return {} if self.base_top is None else {"base": length * self.base_top * width}
 
     def with_regions(self, names: Iterable[str]) -> Self:
-        """The same dimensions, with these regions as parts of the mesh (`Mesh.regions`), faces between them and the
+        """This design, with these regions as parts of the mesh (`Mesh.regions`), faces between them and the
         rest.
 
         Raises `DesignError` for a region that the body does not have.
@@ -250,7 +250,7 @@ class Design(ABC):
         return {}
 
     def with_dimension(self, name: str, value: float) -> Self:
-        """The same design with another length, mm. Raises `DesignError`."""
+        """This design with another length, mm. Raises `DesignError`."""
         return replace(self, **{name: value}).with_regions(self.regions)  # type: ignore[type-var]
 
     def movements(self, repetition: Repetition) -> dict[str, Movement | DesignError]:

@@ -253,7 +253,7 @@ class Config(Section):
         return max(material.built().poisson_ratio for material in (self.material, *self.materials.values()))
 
     def with_effect(self, effect: str, state: State) -> "Config":
-        """The same with one effect switched; the element follows incompressibility."""
+        """This configuration with one effect switched; the element follows incompressibility."""
         switched = replace(getattr(self.effects, effect), state=state)
         config = replace(self, effects=replace(self.effects, **{effect: switched}))
         if effect != "incompressibility":
@@ -263,7 +263,7 @@ class Config(Section):
         return replace(config, mesh=replace(self.mesh, formulation=element.name, chosen=chosen))
 
     def with_mesh_size(self, size_mm: float) -> "Config":
-        """The same with another mesh size."""
+        """This configuration with another mesh size."""
         return replace(self, mesh=replace(self.mesh, size_mm=size_mm))
 
 

@@ -32,7 +32,7 @@ class Document:
     naming: Naming = on_command_line
 
     def with_values(self, values: Sequence[tuple[str, Written]], naming: Naming) -> "Document":
-        """The same with values put in at dotted keys; texts are parsed as YAML, also those in lists and mappings.
+        """This document with values put in at dotted keys; texts are parsed as YAML, also in lists and mappings.
 
         naming: of the keys in messages. Raises InputError for a key without a name or below a value, and for a text
         that is not YAML.
@@ -42,7 +42,7 @@ class Document:
         return Document(self.path, content, (*self.overridden, *keys), naming)
 
     def without(self, keys: Iterable[str]) -> "Document":
-        """The same without what stands at keys, of at most two parts."""
+        """This document without what stands at keys, of at most two parts."""
         content = deepcopy(dict(self.content))
         for *outer, last in (key.split(".") for key in keys):
             inside: Any = content.get(outer[0]) if outer else content

@@ -280,7 +280,7 @@ class Effects(Section):
 
     @property
     def constants(self) -> dict[str, tuple[float, Dimension]]:
-        """Those of the layer and the hoops that act, with what they measure, by key: effects.hoops.threads.EA."""
+        """Constants of the layer and the hoops that act, with what they measure, by key: effects.hoops.threads.EA."""
         found = {}
         for name in (LAYER, HOOPS):
             layer = getattr(self, name)
@@ -291,7 +291,7 @@ class Effects(Section):
         return found
 
     def with_constant(self, key: str, value: float) -> "Effects":
-        """The same with one of the constants changed."""
+        """These effects with one of the constants changed."""
         _, name, *inside, last = key.split(".")
         layer = getattr(self, name)
         (field,) = (field for field in CONSTANTS if key_of(field) == last)

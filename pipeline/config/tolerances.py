@@ -29,7 +29,7 @@ BEYOND_M2, PRINTED_MM, OF_STIFFNESS, OF_PRESSURE = 0.005, 0.1, 0.10, 0.02
 
 @dataclass(frozen=True)
 class Tolerance:
-    """By how much a value may differ."""
+    """The amount by which a value may differ."""
 
     amount: float  #: in mm, MPa or kPa, or a fraction of the value
     is_relative: bool
@@ -40,7 +40,7 @@ class Tolerance:
         return self.amount * abs(value) if self.is_relative else self.amount
 
     def text(self, unit: str) -> str:
-        """As it is written; unit: of the value."""
+        """The tolerance as it is written; unit: of the value."""
         return f"{100.0 * self.amount:g} %" if self.is_relative else f"{self.amount:g} {unit}"
 
 
@@ -53,7 +53,7 @@ class Tolerances:
 
     @staticmethod
     def from_record(record: Json) -> "Tolerances":
-        """Those of the record of a configuration; the defaults of None."""
+        """The tolerances of the record of a configuration; the defaults for None."""
         return Tolerances() if record is None else TypeAdapter(Tolerances).validate_python(record)
 
     def with_setting(self, key: str, written: str, units: Mapping[str, Dimension | None]) -> "Tolerances":
@@ -62,7 +62,7 @@ class Tolerances:
         return replace(self, process=read) if isinstance(read, str) else replace(self, given={**self.given, key: read})
 
     def all(self, dimensions: Mapping[str, float]) -> dict[str, Tolerance]:
-        """Those that are given, and the defaults of all others.
+        """The tolerances that are given, and the defaults of all others.
 
         dimensions: mm, by key (geometry.wall). The stiffness has a default where no constant of a material is given.
         """

@@ -73,7 +73,7 @@ class Validation:
     with_experiments: bool = True
 
     def among(self, reached_kPa: Sequence[float]) -> "Validation":
-        """The same loads, or those that the program chooses at a pressure among those (ascending) that were reached.
+        """These loads, or those that the program chooses at a pressure among those (ascending) that were reached.
 
         Empty where that load has no such pressure.
         """
@@ -98,7 +98,7 @@ class Validation:
         return replace(self, forces_N=(*self.forces_N, *small))
 
     def up_to(self, highest_kPa: float) -> "Validation":
-        """The same loads at the pressures up to this one; empty where there is none."""
+        """These loads at the pressures up to this one; empty where there is none."""
         pressures = tuple(pressure for pressure in self.pressures_kPa if pressure <= highest_kPa)
         return replace(self, pressures_kPa=pressures) if pressures else Validation()
 

@@ -174,7 +174,7 @@ class OtherNumbers:
 
     @staticmethod
     def of(fine: Parameters, free: Record, loaded: Record) -> "OtherNumbers":
-        """On another mesh, at the pressure of the parameters on the first one. Raises RodError."""
+        """The prediction on another mesh, at the pressure of the parameters on the first one. Raises RodError."""
         curves, pitch = (free.centreline, loaded.centreline), fine.kappa.pitch
         lines = numbers_of_curves(*curves, loaded.load, pitch, fine.given_d)
         is_one = has_one_rigidity(fine.equal_cells, free, loaded)
@@ -232,7 +232,7 @@ def predicted(parameters: Parameters, law: ArmLaw) -> OtherNumbers:
 
 
 def predictions(parameters: Sequence[Parameters], law: ArmLaw) -> list[OtherNumbers | str]:
-    """By pressure, or why there is none."""
+    """Predictions of the rods by pressure, or why there is none."""
     found: list[OtherNumbers | str] = []
     for p in parameters:
         try:

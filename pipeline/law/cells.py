@@ -88,7 +88,7 @@ class CellMeasurer:
 
     @property
     def pressures(self) -> list[float]:
-        """Of the law, kPa: with rest, unless it is that of the form after a snap."""
+        """Pressures of the law, kPa: with rest, unless it is that of the form after a snap."""
         return sorted({*self.bends} if self.tasks.pieces.after_snap else {0.0, *self.bends})
 
     def measure(self, pressures: Sequence[float]) -> Iterator[KeptCurve[CellCurve] | Reason]:

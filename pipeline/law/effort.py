@@ -19,7 +19,7 @@ REST = 8.0
 
 
 def expected_of(config: Config) -> Mapping[str, Sequence[float]]:
-    """By the names under which steps are told, s; those that a run adds are not known before."""
+    """Expected seconds by the names under which steps are told; those that a run adds are not known before."""
     steps, given = defaultdict[str, list[float]](list), config.pressures_kPa
     pressures = [] if config.law == "five" else [{0.0, *given}]
     if not config.is_law_alone:

@@ -122,7 +122,7 @@ def displacement(first: ClampCurve, second: ClampCurve, cell: CellCurve, length:
     straight = min(abs(kappa_0) * rigidity, float(abs(cell.moment[-1 if kappa_0 < 0.0 else 0])))
 
     def distance(name: str) -> float:
-        """Of the values without moment, and of their slopes at that moment."""
+        """Distance of the values without moment, and of their slopes at that moment."""
         (value, rate), (other, other_rate) = (_without_moment(clamp, name) for clamp in (first, second))
         return float(np.linalg.norm(value - other) + straight * np.linalg.norm(rate - other_rate))
 

@@ -37,14 +37,14 @@ Limits = Mapping[str, Limit]
 
 
 def scales_of(limits: Limits, length: float) -> dict[str, float]:
-    """By what errors of numbers are divided; those of an arm of `length` mm that hardly bends are larger."""
+    """The numbers by which errors are divided; those of an arm of `length` mm that hardly bends are larger."""
     turning = SMALLEST_TURN / length
     least = {"kappa_0": turning, "moment": turning * abs(limits["rigidity"].value)}
     return {name: max(abs(one.value), least.get(name, 0.0)) for name, one in limits.items()}
 
 
 def limits_of(by_size: Mapping[float, Numbers], length: float) -> dict[str, Limit]:
-    """Of the numbers that two meshes have at least, by size in mm; with stated deviations. length: mm, of the arm."""
+    """Limits of the numbers that two meshes or more have, by size in mm; with deviations. length: mm, of the arm."""
     found = extrapolate_all(by_size)
     limits = {name: Limit(one.limit, INFLATED * one.limit_std) for name, one in found.items()}
     least = {name: LEAST_STD * scale for name, scale in scales_of(limits, length).items()}
@@ -90,7 +90,7 @@ class MeshLimit:
         return {**common, "pressures_kPa": tuple(self.limits), "meshes": [asdict(mesh) for mesh in self.meshes]}
 
     def error_of(self, cells: Sequence[CellCurve], length: float, size_mm: float) -> LawMeshError:
-        """Of a law on a mesh of that size: how far its numbers are from the limit, and how uncertain that is.
+        """How far the numbers of a law on a mesh of that size are from the limit, and how uncertain that is.
 
         length: mm, of the arm.
         """
@@ -152,7 +152,7 @@ STILL = np.zeros(1), np.ones((1, 2))
 
 @dataclass(frozen=True, eq=False)  # arrays inside
 class Corrections:
-    """By pressure: `shift` is added to the curvature of a cell and `ratio` multiplies its moment, for an exact mesh.
+    """Makes a law that of an exact mesh: `shift` is added to the curvature of a cell, `ratio` multiplies its moment.
 
     Between pressures, from rest on, both follow monotone cubics; beyond the last they are constant.
     """

@@ -104,7 +104,7 @@ def find_snap(tasks: ArmTasks, highest_kPa: float) -> SnapLimits:
 
 
 def elements_differ(tasks: ArmTasks, limit: float | None, highest_kPa: float) -> list[Reason]:
-    """That SOFT elements, taken by hand, have another limit in kPa than mixed ones; None: none up to a pressure."""
+    """A reason where SOFT elements, taken by hand, have another limit in kPa than mixed ones up to a pressure."""
     mesh = tasks.pieces.config.mesh
     if mesh.formulation != SOFT:
         return []
@@ -135,7 +135,7 @@ def snap_of(curves: PieceCurves, highest_kPa: float) -> Snap:
 
 
 def rising_pressures(pressures_kPa: Sequence[float], limits: SnapLimits) -> list[float]:
-    """Those of the form from rest: below the limit, and closely below it where there are some beyond."""
+    """The pressures of the form from rest: below the limit, and closely below it where there are some beyond."""
     if limits.limit is None or max(pressures_kPa) < BELOW[-1] * limits.limit:
         return [*pressures_kPa]
     close = [float(f"{part * limits.limit:.4g}") for part in BELOW]

@@ -58,7 +58,7 @@ class LawReport(Printable, Generic[Measured]):
 
     @property
     def lines(self) -> Sequence[str]:
-        """As the verdict of a run: how far the arm bends, its tip, errors, and how to use the rod."""
+        """The verdict as of a run: how far the arm bends, its tip, errors, and how to use the rod."""
         return verdict_of(read_results(self.directory)).lines
 
     def raise_if_failed(self) -> None:
@@ -106,7 +106,7 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
 def measure_any_law(
     given: Config | RowSpec, out: Path, jobs: int, fresh: bool, progress: Progress
 ) -> LawReport[MeasuredLaw] | LawReport[MeasuredInSpace]:
-    """As `measure_law`, in space for rows of pressures and for an arm that leaves its plane.
+    """Measure a law as `measure_law`, in space for rows of pressures and for an arm that leaves its plane.
 
     Raises InputError for effects that a law in space lacks, and RunFailed for rows that its cell does not bear.
     """

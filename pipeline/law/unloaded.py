@@ -36,7 +36,7 @@ def first_state(curves: PieceCurves, pressure: float) -> Unloaded:
 
 
 def solve_first(pieces: ArmPieces, pressure: float) -> tuple[Unloaded, CellCurve]:
-    """As `first_state`, with the cell."""
+    """The cell and its `first_state`."""
     turn = LARGEST / pieces.design.length * pieces.cell.body.length
     cell = straight_curve(pieces.cell, pressure, turn)
     clamp = clamp_without_moment(pieces.end(HALF_CELLS, "clamp"), cell)

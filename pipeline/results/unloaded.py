@@ -85,7 +85,7 @@ def _steep(law: ArmLaw) -> Reason | None:
 
 
 def weight_not_borne(law: ArmLaw) -> Reason | None:
-    """That a law without gravity does not bear its arm lying at the lowest pressure; None where it does or weighs 0."""
+    """A reason where a law without gravity does not bear its arm lying at the lowest pressure; None elsewhere."""
     if law.mass is None or any(law.weight):
         return None
     pressure, weight = law.pressures[0], Loading(direction="lying").on(law.length, law.mass, (0.0, 0.0))

@@ -67,7 +67,7 @@ class Surfaces:
         return ordered, round(float((~self.in_plane).mean()) * len(ordered))
 
     def of_states(self, chosen: Mask) -> "Surfaces":
-        """The same with some of the states."""
+        """This view with some of the states."""
         return replace(
             self,
             experiments=tuple(name for name, keep in zip(self.experiments, chosen, strict=True) if keep),
@@ -77,7 +77,7 @@ class Surfaces:
         )
 
     def without_middles(self) -> "Surfaces":
-        """The same with straight edges: a quarter of the triangles."""
+        """This view with straight edges: a quarter of the triangles."""
         corners, numbers = np.unique(self.faces[:, :3], return_inverse=True)
         return replace(
             self,

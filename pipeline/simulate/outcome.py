@@ -194,7 +194,7 @@ class Outcomes:
         return lowest and (lowest[1], lowest[0])
 
     def lowest_end_kPa(self, *names: str) -> float:
-        """That pressure, of these experiments alone where any are named; infinite where it is not known of any."""
+        """The lowest end in kPa, of these experiments alone where any are named; infinite where none is known."""
         among = Outcomes({name: outcome for name, outcome in self.by_name.items() if not names or name in names})
         return among.first_to_end[1] if among.first_to_end else inf
 
@@ -229,7 +229,7 @@ class Outcomes:
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Of the experiment with the most."""
+        """Degrees of freedom of the experiment with the most."""
         return max(outcome.degrees_of_freedom for outcome in self)
 
     @property

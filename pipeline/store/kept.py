@@ -23,7 +23,7 @@ class KeptFile(Generic[Value]):
 
     @classmethod
     def of_run(cls, store: Store, name: str, kind: Any) -> "KeptFile[Value]":
-        """Of numbers computed from the states of a run."""
+        """The key of numbers computed from the states of a run."""
         return cls(store, name, kind, store.numbers_key)
 
     def read(self) -> Value | None:

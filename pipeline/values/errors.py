@@ -90,7 +90,7 @@ class RunFailed(_Sentence):
         self.reached: object = None  #: what the function would have returned, as far as it is known
 
     def with_reached(self, value: object) -> "RunFailed":
-        """The same failure with what was reached."""
+        """This failure with what was reached."""
         self.reached = value
         return self
 

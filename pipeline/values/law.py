@@ -80,7 +80,7 @@ class Layers:
 
     @property
     def text(self) -> str:
-        """In sentences."""
+        """The error in sentences."""
         words = {"hoops": "thread", "strain_limiting_layer": "sheet"}
         kinds = {words[name]: angle for name, angle in self.without_deg.items()}
         told = [f"without the {name} " + ("it bulges" if a is None else f"by {a:.0f}°") for name, a in kinds.items()]
@@ -130,7 +130,7 @@ class DeliveredLaw(LawMetadata):
 
     @cached_property
     def most_bent(self) -> tuple[tuple[float, ...], RodSolution | SpatialSolution] | None:
-        """Of a law of several pressures: those at which the arm without a load bends the most, and its shape.
+        """Pressures of a law of several at which the arm without a load bends the most, and its shape.
 
         None where there is no equilibrium.
         """
@@ -165,7 +165,7 @@ class DeliveredLaw(LawMetadata):
 
     @cached_property
     def angles(self) -> dict[str, Array]:
-        """By form, (n, 2): pressures in kPa, and how far the arm without a load bends, in degrees.
+        """Angles by form, (n, 2): pressures in kPa, and how far the arm without a load bends, in degrees.
 
         "rising" as it is inflated from rest, "unstable" along the volume of the air beyond a limit of the pressure, and
         "swollen" after the snap; empty for a law of several pressures.

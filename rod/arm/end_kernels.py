@@ -157,7 +157,7 @@ def _left_jacobian(turn: Array, out: Array) -> None:
 
 
 def tip_levers(ends: EndArrays, frame: Array, acting: Array, out: Array, work: Array) -> None:
-    """Of the end with a frame (3, 3) under a force (3,), out (3, 3).
+    """Levers of the end with a frame (3, 3) under a force (3,), out (3, 3).
 
     out[0]: moment of the force and of the support about the end of the axis, N mm; out[1]: lever of the force; out[2]:
     from the end of the axis to that of the material curve, mm. work: (5, TIP_COLUMNS).

@@ -62,7 +62,7 @@ class SolvedPath(NamedTuple):
     fall: str = ""  #: how the arm buckled on the way, a sentence
 
     def refuse_fall(self) -> "SolvedPath":
-        """The same path. Raises `RodError` where the arm falls on the way."""
+        """Give a path back. Raises `RodError` where the arm falls on the way."""
         if self.fall:
             raise RodError(self.fall)
         return self
@@ -81,7 +81,7 @@ class SolvedPath(NamedTuple):
         return "The arm buckles out of its plane before this load; give a third component to follow it."
 
     def derivative(self, by: Parameter, passes: int = PASSES) -> Response:
-        """As `rod.solution.RodSolution.derivative`; the first pass is right to half a percent."""
+        """The derivative as of `rod.solution.RodSolution.derivative`; the first pass is right to half a percent."""
         if isinstance(by, tuple):
             return self._change((by[0], self.load), (by[1], self.load), passes)
         if by.supports:

@@ -92,7 +92,7 @@ def _columns(section: SectionArrays, kappa: float, out: Array) -> float:
 
 
 def plane_section(section: SectionArrays, e: int, strain: Array, force: Array, stiffness: Array, work: Array) -> float:
-    """Of element e at strains (3,) kappa, stretch and shear: moment, axial and shear force (3,), stiffness (3, 3).
+    """Moment, axial and shear force (3,) of element e at strains (3,) kappa, stretch, shear; stiffness (3, 3).
 
     work: (3, c), overwritten. Returns by how much a tabulated section leaves its table, 1/mm.
     """
@@ -131,7 +131,7 @@ def plane_section(section: SectionArrays, e: int, strain: Array, force: Array, s
 
 
 def space_section(section: SectionArrays, e: int, strain: Array, force: Array, stiffness: Array, work: Array) -> float:
-    """Of element e at strains (6,): moments and forces (6,), and the stiffness (6, 6).
+    """Moments and forces (6,) of element e at strains (6,), and the stiffness (6, 6).
 
     work: (3, c), overwritten. Returns by how much the curvature leaves the law, 1/mm.
     """

@@ -46,7 +46,7 @@ class LinesSection:
         return RIGID * max(abs(self.law.alpha1), abs(self.law.alpha2)) / self.length**2
 
     def arrays(self, s: Array, factor: float = 1.0, grown: float = 1.0) -> SectionArrays:
-        """As `Section` says."""
+        """Arrays as `Section` has them."""
         middle = 0.5 * (s[1:] + s[:-1])
         rest, part = self.rest(s, grown), float(self.is_loaded)
         m0 = factor * (part * self.law.intercept(middle) + _means(self.own_s, self.own_moment, s))
@@ -54,7 +54,7 @@ class LinesSection:
         return SectionArrays(LINES, np.zeros((1, 1, 1)), np.array([self.rigid, self.rigid]), local)
 
     def rest(self, s: Array, grown: float = 1.0) -> Array:
-        """As `Section` says."""
+        """Strains at rest as `Section` has them."""
         result = np.zeros((len(s) - 1, 4))
         result[:, 2] = grown * _means(self.s, self.kappa_0, s)
         result[:, 3] = 1.0

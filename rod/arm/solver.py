@@ -25,7 +25,7 @@ class ArmModel(Protocol):
 
     @property
     def section(self) -> Section:
-        """Of the cells."""
+        """Law of the cells."""
 
     @property
     def mass(self) -> Mass | None:
@@ -79,7 +79,7 @@ class Solver:
         return ArmArrays(self.arm.section.arrays(self.s, factor, grown), self.ends, self.chain)
 
     def pushed(self, force: Array) -> "Solver":
-        """The same under forces (N, 3) in N on its nodes besides."""
+        """This arm under forces (N, 3) in N on its nodes besides."""
         other = copy(self)
         other.push = self.push + force
         return other

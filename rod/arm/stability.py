@@ -19,7 +19,7 @@ OUT_OF_PLANE = (2, 3, 4)
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
 class Stability:
-    """Of a rod in equilibrium: the lowest eigenvalue of the second variation of its energy over the elastic part."""
+    """The lowest eigenvalue of the second variation of a rod's energy over the elastic part, in equilibrium."""
 
     lowest: float  #: 1 without loads, 0 where the rod buckles, below 0 beyond
     motion: Array  #: (n, 3) of the axis that belongs to it, of largest component 1
@@ -31,7 +31,7 @@ class Stability:
 
 
 def stability_of(path: SolvedPath, *, out_of_plane: bool = False) -> Stability:
-    """Of an arm on both chains of its path, at the limit of the elements, under a load that keeps its direction.
+    """Stability on both chains of an arm's path, at the limit of the elements, under a load that keeps its direction.
 
     out_of_plane: whether only motions out of its plane are possible.
     """

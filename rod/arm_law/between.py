@@ -108,7 +108,7 @@ class _Lines:
 
     @cached_property
     def differences(self) -> Array:
-        """In the middle, between what the slopes of both ends predict, over the rigidity, 1/mm."""
+        """Difference in the middle of what the slopes of both ends predict, over the rigidity, 1/mm."""
         low, high = self.low, self.high
         difference = low.moment + 0.5 * low.moment_slope - (high.moment - 0.5 * high.moment_slope)
         return np.asarray(2.0 * np.abs(difference) / (low.rigidity + high.rigidity))

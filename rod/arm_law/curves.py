@@ -30,7 +30,7 @@ def key_of(one: "Field[Any]") -> str:
 
 
 def nothing() -> Array:
-    """Of a field that may be missing."""
+    """The empty array of a field that may be missing."""
     return np.empty(0)
 
 

@@ -19,15 +19,15 @@ class Law(Protocol):
 
     @property
     def cavities(self) -> tuple[str, ...]:
-        """Of which it has the pressures; one name for an arm with one pressure."""
+        """Cavities of whose pressures it is a law; one name for an arm with one pressure."""
 
     @property
     def fractions(self) -> Mapping[str, float]:
-        """Of a law over one pressure: the pressure of each cavity over it; of several pressures none."""
+        """Pressure of each cavity over that of a law over one pressure; none for several pressures."""
 
     @property
     def ratios(self) -> tuple[Pressures, ...]:
-        """Those in which a law of several pressures was measured, each as parts of the largest pressure."""
+        """Ratios in which a law of several pressures was measured, each as parts of the largest pressure."""
 
     @property
     def rows(self) -> tuple[Pressures, ...]:
@@ -43,7 +43,7 @@ class Law(Protocol):
 
     @property
     def length(self) -> float:
-        """Of the arm, mm."""
+        """Length of the arm, mm."""
 
     @property
     def mass(self) -> Mass | None:
@@ -78,7 +78,7 @@ class LawAtRatio:
 
     @property
     def fractions(self) -> Mapping[str, float]:
-        """As of any law."""
+        """Fractions as of any law."""
         return dict(zip(self.law.cavities, self.parts, strict=True))
 
     @property

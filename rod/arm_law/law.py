@@ -92,12 +92,12 @@ class ArmLaw:
 
     @property
     def dimensions(self) -> dict[str, float]:
-        """Those of the body by which it has derivatives, mm."""
+        """Dimensions of the body by which it has derivatives, mm."""
         return {name: r.value for name, r in self.rates.items() if r.unit == "mm" and not name.startswith(OF_LAYERS)}
 
     @property
     def moduli(self) -> dict[str, float]:
-        """Those of the materials by which it has derivatives, MPa."""
+        """Moduli of the materials by which it has derivatives, MPa."""
         return {name: r.value for name, r in self.rates.items() if r.unit == "MPa" and not name.startswith(OF_LAYERS)}
 
     def scaled(self, factor: float) -> "ArmLaw":
@@ -177,13 +177,13 @@ class ArmLaw:
         return replace(changed, pitch=pitch, first_middle=first_middle, length=length)
 
     def carried(self, changes: Mapping[str, float]) -> "ArmLaw":
-        """As `with_changes`, with derivatives that are at each curvature those of this law."""
+        """The law of `with_changes`, with derivatives that are at each curvature those of this law."""
         law, rates = self.with_changes(changes), self.rates.items()
         new = {name: r.carried(self.cells, law.cells, changes.get(name, 0.0)) for name, r in rates}
         return replace(law, swollen=law.swollen and self.swollen and self.swollen.carried(changes), rates=new)
 
     def derivative(self, name: str) -> dict[str, Array]:
-        """By a parameter, per mm, MPa or 1 of it, at the pressures of the law (n,); NaN where there is no such number.
+        """Derivative by a parameter, per mm, MPa or 1, at the pressures of the law (n,); NaN where no such number is.
 
         name: a key of `rates`, such as "geometry.wall". The numbers are those of `UNITS`, out of the plane where the
         law has them; contact_onset, the curvature beyond which walls touch up to the end of a curve, and

@@ -70,7 +70,7 @@ class LawRod:
         return self
 
     def of(self, length: float, mass: Mass | None) -> "LawRod":
-        """That of an arm of another length (mm) and mass; None: its own mass."""
+        """The rod of an arm of another length (mm) and mass; None: its own mass."""
         return replace(self, length=length, mass=mass or self.mass)
 
     @cached_property
@@ -259,7 +259,7 @@ class LawRod:
         return air_along(self.section, self.clamp, self.tip, h, kappa[..., 2])
 
     def stability(self, state: RodSolution) -> Stability:
-        """Of a state of this rod against motions out of its plane. Its force keeps its direction.
+        """Stability of a state of this rod against motions out of its plane. Its force keeps its direction.
 
         Raises `RodError` for a law without rigidities out of the plane.
         """
@@ -310,13 +310,13 @@ class _Model:
         self._ends: dict[tuple[bool, ...], EndArrays] = {}
 
     def positions(self, breaks: tuple[float, ...]) -> Array:
-        """As `ArmModel` says, and so are the others."""
+        """Positions as `ArmModel` has them; so are the others."""
         rod, first = self.rod, self._first
         places = [s for s in sorted((self.decides_at, *breaks)) if s > first]
         return np.append(0.0, positions_between([first, *places, rod.length], ELEMENT * rod.pitch))
 
     def ends(self, end: Position) -> EndArrays:
-        """Of the clamp, and of the tip that is held so."""
+        """The ends: of the clamp, and of the tip that is held so."""
         held = tuple(at is not None for at in end)
         if held not in self._ends:
             self._ends[held] = end_arrays(self.rod.clamp, tip_state(self.rod.tip, end))

@@ -33,7 +33,7 @@ class PressureLimit:
             raise RodError(f"A limit pressure is above 0 kPa, not {self.value:g}.")
 
     def scaled(self, factor: float, units: Mapping[str, str]) -> "PressureLimit":
-        """Of an arm whose moduli are all multiplied by a factor; exact.
+        """The limit of an arm whose moduli are all multiplied by a factor; exact.
 
         units: of the parameters with a derivative; a modulus is multiplied itself.
         """
@@ -42,7 +42,7 @@ class PressureLimit:
         return replace(self._times(factor), rates=rates)
 
     def growing(self, rate: float) -> "PressureLimit":
-        """Of an arm whose moduli are exp(rate p) times as large at a pressure p; rate: 1/kPa."""
+        """The limit of an arm whose moduli are exp(rate p) times as large at a pressure p; rate: 1/kPa."""
         factor, slope = math.exp(rate * self.value), 1.0 + rate * self.value
         rates = {name: factor * slope * by for name, by in self.rates.items()}
         std = None if self.std is None else factor * slope * self.std

@@ -58,7 +58,7 @@ class Move:
 
 
 def moved_cell(curve: CellCurve, by: Move) -> CellCurve:
-    """The same states of a cell at other moments and curvatures; what a state has besides stays with it.
+    """The states of a cell at other moments and curvatures; what a state has besides stays with it.
 
     But for the air, in equal parts that of all cavities: dM/dp at fixed curvature is minus its slope by the curvature.
     """
@@ -81,7 +81,7 @@ def moved_cell(curve: CellCurve, by: Move) -> CellCurve:
 
 
 def moved_clamp(curve: ClampCurve, by: Move) -> ClampCurve:
-    """The same states of a clamped end at other moments."""
+    """The states of a clamped end at other moments."""
     turned = curve.rotation_by_moment * curve.moment * by.ratio_slope / by.ratio
     return replace(
         curve,

@@ -73,7 +73,7 @@ class PairLaw:
 
     @property
     def length(self) -> float:
-        """Of the arm, mm."""
+        """Length of the arm, mm."""
         return self.laws[0].length
 
     @property
@@ -92,7 +92,7 @@ class PairLaw:
 
     @property
     def ratios(self) -> tuple[Pressures, ...]:
-        """Those of its rays."""
+        """Ratios of its rays."""
         return ratios_of(self.rows)
 
     @property

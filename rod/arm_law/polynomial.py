@@ -70,7 +70,7 @@ class Polynomial(Basis):
         return np.asarray(is_same @ (powers[:, None] / self.scale[variable] * self.coefficients))
 
     def at_last(self, values: Array) -> "Plane":
-        """As polynomials of the first two variables, with the others given (v - 2,)."""
+        """Coefficients as polynomials of the first two variables, with the others given (v - 2,)."""
         powers, scale = self.exponents, self.scale
         factor = np.prod((values / scale[2:]) ** powers[:, 2:], axis=1) / np.prod(scale[:2] ** powers[:, :2], axis=1)
         table = np.zeros((*(powers[:, :2].max(axis=0) + 1), self.coefficients.shape[1]))
@@ -92,7 +92,7 @@ class Plane:
         return np.asarray(monomials @ self.table.reshape(-1, self.table.shape[2]))
 
     def derivative(self, axis: int) -> "Plane":
-        """By the first or the second variable."""
+        """Derivative by the first or the second variable."""
         return Plane(np.asarray(np.polynomial.polynomial.polyder(self.table, axis=axis)))
 
     @staticmethod

@@ -120,7 +120,7 @@ class QuantityAt:
         return np.atleast_1d(QUANTITIES[self.name].of(rod, self.known, self.given, load))
 
     def or_nan(self, rods: Rods) -> Array:
-        """As `of`; NaN where a rod has no such number. Raises `RodError` where there is no rod."""
+        """The quantity as of `of`; NaN where a rod has no such number. Raises `RodError` where there is no rod."""
         rods(self.pressure)
         try:
             return self.of(rods)

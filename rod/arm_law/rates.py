@@ -18,7 +18,7 @@ KINK = 0.05
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
 class CellRate:
-    """Of the curve of a cell at one pressure, at fixed curvature, per unit of the parameter."""
+    """Derivatives of the curve of a cell at one pressure, at fixed curvature, per unit of the parameter."""
 
     moment: Annotated[Array, "moment_N_mm", "k"]  #: N mm
     stretch: Annotated[Array, "stretch", "k"]
@@ -37,7 +37,7 @@ class CellRate:
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
 class ClampRate:
-    """Of the curve of the clamped end at one pressure, at fixed moment, per unit of the parameter."""
+    """Derivatives of the curve of the clamped end at one pressure, at fixed moment, per unit of the parameter."""
 
     rotation: Annotated[Array, "rotation_rad", "k"]  #: rad
     offset: Annotated[Array, "offset_mm", "k", 2]  #: mm
@@ -50,7 +50,7 @@ class ClampRate:
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
 class LawRate:
-    """Of a law by one parameter, per unit of it. What is not here does not change to first order, or hardly."""
+    """Derivatives of a law by one parameter, per unit of it. What is not here hardly changes, to first order."""
 
     value: Annotated[float, "value"]  #: of the parameter, to which the law belongs
     unit: Annotated[str, "unit"]  #: of the parameter: mm, MPa, or 1
@@ -61,7 +61,7 @@ class LawRate:
     clamps: Annotated[tuple[ClampRate, ...], "clamp"]
 
     def with_moments(self, ratios: Sequence[float], across: Sequence[Array] = ()) -> "LawRate":
-        """Of a law whose moments are this many times as large at each pressure, and so its rigidities out of the plane.
+        """Derivatives of a law whose moments, and rigidities out of the plane, are multiplied at each pressure.
 
         across: (n, 2) the factors of the latter, where they are others.
         """
@@ -78,7 +78,7 @@ class LawRate:
         return replace(self, **lengths, cells=cells, clamps=tuple(clamp.times(change) for clamp in self.clamps))
 
     def carried(self, before: Sequence[CellCurve], after: Sequence[CellCurve], change: float) -> "LawRate":
-        """Of a law after small changes of parameters: at each curvature what it was there.
+        """The derivatives of a law after small changes of parameters: at each curvature what it was there.
 
         before, after: the curves of the cells; change: of this parameter.
         """
@@ -150,7 +150,7 @@ def _changed_cell(curve: CellCurve, change: CellRate, by_pressure: tuple[Array, 
 
 
 def kink_shifts(curve: CellCurve, change: CellRate) -> Array:
-    """By how much the kinks of a curve move near each of its states, (k,) 1/mm; zero where walls touch nowhere.
+    """Shifts of the kinks of a curve near each of its states, (k,) 1/mm; zero where walls touch nowhere.
 
     Across a kink that moves, the change of the moment at fixed curvature has a step of minus the step of the rigidity
     times the shift of the kink: by least squares over the intervals with a kink, near ones counting more.
@@ -165,7 +165,7 @@ def kink_shifts(curve: CellCurve, change: CellRate) -> Array:
 
 
 def onset_rate(curve: CellCurve, rate: CellRate) -> float:
-    """Of the curvature beyond which walls touch up to the end of a curve, 1/mm per unit; NaN where there is none."""
+    """Derivative of the curvature from which on walls touch, 1/mm per unit; NaN where there is none."""
     free = np.flatnonzero(~curve.contact)
     if curve.onset is None:
         return float("nan")

@@ -81,7 +81,7 @@ class SpaceLaw:
 
     @property
     def ratios(self) -> tuple[Pressures, ...]:
-        """Those of its rows."""
+        """Ratios of its rows."""
         return ratios_of(self.rows)
 
     def at(self, pressures: Amount | Sequence[Amount]) -> "SpaceRod":

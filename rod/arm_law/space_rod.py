@@ -56,13 +56,13 @@ class PolynomialSection:
         return PolynomialSection(plane, float(EA(origin)[0]), compliance, origin, reach)
 
     def arrays(self, s: Array, factor: float = 1.0, grown: float = 1.0) -> SectionArrays:
-        """As `Section` says."""
+        """Arrays as `Section` has them."""
         stiff = np.linalg.inv(self.compliance)
         numbers = np.concatenate([[self.EA], stiff.ravel(), self.origin, [self.reach]])
         return SectionArrays(POLYNOMIAL, np.ascontiguousarray(self.plane.table), numbers, np.zeros((len(s) - 1, 4)))
 
     def rest(self, s: Array, grown: float = 1.0) -> Array:
-        """As `Section` says."""
+        """Strains at rest as `Section` has them."""
         return np.tile([0.0, *self.origin, float(self.plane(self.origin)[5])], (len(s) - 1, 1))
 
     @property
@@ -119,7 +119,7 @@ class SpaceRod:
         return self
 
     def of(self, length: float, mass: Mass | None) -> "SpaceRod":
-        """That of an arm of another mass; None: its own. Raises `RodError` for another length (mm)."""
+        """The rod of an arm of another mass; None: its own. Raises `RodError` for another length (mm)."""
         if not math.isclose(length, self.length):
             raise RodError(f"The law in space is that of an arm of {self.length:g} mm; give law.length.")
         return replace(self, mass=mass or self.mass)
@@ -145,7 +145,7 @@ class SpaceRod:
         return solved_in_space(self, path, load, self.section.strains(*nodes.acting), beside)
 
     def posed(self, load: Load) -> tuple["SpaceRod", Load]:
-        """The same."""
+        """The rod itself, and all that acts on it."""
         return self, load
 
     def in_plane(self, load: Load, *, together: bool | None = None) -> RodSolution:
@@ -169,7 +169,7 @@ class SpaceRod:
         return float(self.section.plane(self.kappa_0 + away)[[2, 4]].sum())
 
     def positions(self, breaks: tuple[float, ...]) -> Array:
-        """As `rod.arm.solver.ArmModel` says, and so are the others."""
+        """Positions as `rod.arm.solver.ArmModel` has them; so are the others."""
         longest = min(ELEMENT * self.pitch, LONGEST * self.length)
         first = FIRST * longest
         inner = [s for s in sorted(breaks) if s > first]

@@ -76,7 +76,7 @@ class TabulatedSection:
         return np.ascontiguousarray(table), np.array([kappa[0], kappa[1] - kappa[0]])
 
     def arrays(self, s: Array, factor: float = 1.0, grown: float = 1.0) -> SectionArrays:
-        """As `Section` says."""
+        """Arrays as `Section` has them."""
         table, numbers = self._table
         local = np.zeros((len(s) - 1, 4))
         if grown < 1.0:
@@ -84,7 +84,7 @@ class TabulatedSection:
         return SectionArrays(TABULATED, table, numbers, local)
 
     def rest(self, s: Array, grown: float = 1.0) -> Array:
-        """As `Section` says."""
+        """Strains at rest as `Section` has them."""
         kappa_0, stretch = self._at_rest
         return np.tile([0.0, 0.0, grown * kappa_0, stretch], (len(s) - 1, 1))
 

@@ -54,7 +54,7 @@ class Curvature:
 
     @property
     def middle(self) -> float:
-        """In the middle of the arm, 1/mm, interpolated linearly between the points nearest to it."""
+        """Curvature in the middle of the arm, 1/mm, interpolated linearly between the points nearest to it."""
         return float(np.interp(self.length / 2, self.s, self.kappa))
 
     @property

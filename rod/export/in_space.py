@@ -31,7 +31,7 @@ class SpaceHinges:
     shear: float  #: N, rigidity of the arm against shear across the plane
 
     def between(self, other: "SpaceHinges", t: float) -> "SpaceHinges":
-        """Those between these (t = 0) and others (t = 1), by straight lines."""
+        """Hinges between these (t = 0) and others (t = 1), by straight lines."""
         names = ("axis", "centre", "twist", "bend", "shear")
         return SpaceHinges(**{name: (1.0 - t) * getattr(self, name) + t * getattr(other, name) for name in names})
 
@@ -70,7 +70,7 @@ class Part:
 
 
 def space_hinges(rod: LawRod, parts: Sequence[Part], in_clamped: Array, by_shear: Array) -> SpaceHinges | None:
-    """Those of the m parts of an arm; None for a law of the plane alone, and for an arm without load that is not stable
+    """Hinges of the m parts of an arm; None for a law of the plane alone, and for an unloaded arm that is not stable
     out of its plane.
 
     in_clamped: (m,) how much of the compliance of the clamped end a part has. by_shear: (m,) what its hinge turns, over

@@ -103,7 +103,7 @@ class Regression:
         return Fit(d, parameters, fitted, matrix, prior, inverse, float(squares))
 
     def bounded(self, d: float) -> Fit:
-        """As `solve` for two lines, with rigidities of at most `max_rigidity` where the free fit exceeds it."""
+        """The fit of `solve` for two lines, with rigidities of at most `max_rigidity` where the free fit exceeds it."""
         fit, slopes, least = self.solve(d), [0, 2], 1.0 / self.max_rigidity
         if np.all(fit.parameters[slopes] >= least):
             return fit

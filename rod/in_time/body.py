@@ -70,7 +70,7 @@ class Body:
 
     @property
     def creep(self) -> Creep:
-        """Of the pressure that is felt."""
+        """Creep of the pressure that is felt."""
         return (self.felt or self.relaxation).creep
 
     @property

@@ -39,7 +39,7 @@ class Undamped(NamedTuple):
     in_plane: bool
 
     def damped(self, relaxation: Relaxation) -> Mode:
-        """The same of a rubber that relaxes."""
+        """These vibrations of a rubber that relaxes."""
         rate = _decaying(self.stiff, self.relaxing, relaxation)
         return Mode(abs(rate) / (2.0 * math.pi), max(0.0, -rate.real / abs(rate)), self.in_plane)
 
@@ -59,7 +59,7 @@ def frequencies(
 
 
 def undamped(body: Body, pressure: Any, acting: Loading, count: int, *, across: bool = True) -> tuple[Undamped, ...]:
-    """The same vibrations without damping; across: those across the plane too. Raises `RodError` as `frequencies`."""
+    """These vibrations without damping; across: those across the plane too. Raises `RodError` as `frequencies`."""
     arm = body.at(np.atleast_1d(np.asarray(pressure, float)))
     load = body.loaded(acting, arm)
     in_space = load.leaves_plane or (across and arm.is_in_space)

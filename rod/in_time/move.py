@@ -134,7 +134,7 @@ class MovingArm:
         return arm
 
     def begin(self, before: Array, first: Array, was: Loading) -> None:
-        """In equilibrium at pressures (c,), which become the first ones at once."""
+        """Begin in equilibrium at pressures (c,), which become the first ones at once."""
         body = self.body
         then = body.at(before)
         old, self.load = (body.loaded(one, then) for one in (was, self.acting))
@@ -250,7 +250,7 @@ class MovingArm:
         self.stepper.solver.load = load._replace(force=np.array(self.load.force) + change)
 
     def along(self, seconds: float, step: Step, tell: Listener | None = None) -> Motion:
-        """By steps up to a time."""
+        """Go on by steps up to a time."""
         fixed = self.steps.fixed
         if fixed and fixed > self.radian:
             told = f"A step of {fixed:.3g} s does not resolve a vibration of {0.5 / (math.pi * self.radian):.2g} Hz"

@@ -89,7 +89,7 @@ class LinesRod:
         )
 
     def beside(self, shape: RodSolution, load: Load) -> RodSolution:
-        """As that of others."""
+        """The curve beside the axis, as of other rods."""
         return self.in_plane(load)
 
     def used_by(self, shape: RodSolution) -> float:
@@ -170,7 +170,7 @@ class _Model:
         self.decides_at = self.clamp_reach = 0.0
 
     def positions(self, breaks: tuple[float, ...]) -> Array:
-        """As `ArmModel` says, and so are the others."""
+        """Positions as `ArmModel` has them; so are the others."""
         rod = self.rod
         samples = rod.s[1:-1] if len(rod.s) <= MOST_SAMPLES else rod.s[:0]
         inner = sorted({rod.law.d, *breaks, *samples[np.abs(samples - rod.law.d) > 1e-9 * rod.length].tolist()})

@@ -91,7 +91,7 @@ class CadFile(FileDesign):
 
     @property
     def pitch(self) -> float:
-        """That of the cells; of an arm that is too short for five parameters of such cells the usual one."""
+        """Pitch of the cells; the usual one for an arm that is too short for five parameters of such cells."""
         if self.cell is None and not self.has_equal_chambers:
             return super().pitch  # cells of an arm with one section are as long
         if self.cells is None or self.length < PITCHES * 2 * self.cells.half_pitch:

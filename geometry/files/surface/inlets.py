@@ -41,7 +41,7 @@ class _Patches:
 
     @staticmethod
     def of(surface: Surface) -> "_Patches":
-        """Those of a surface."""
+        """The inlets of a surface."""
         points, triangles = surface.points, surface.triangles
         edges = triangle_edges(triangles)
         pairs = np.argsort(row_keys(edges, len(points)), kind="stable").reshape(-1, 2)

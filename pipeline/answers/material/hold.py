@@ -68,7 +68,7 @@ class Hold:
 
     @property
     def written(self) -> str:
-        """As a configuration takes it."""
+        """The branches as a configuration takes them."""
         branches = (f"{{g: {g:.3g}, tau: {tau:.3g} s}}" for g, tau in zip(self.g, self.tau_s, strict=True))
         return f"relaxation: [{', '.join(branches)}]"
 

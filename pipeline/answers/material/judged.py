@@ -58,7 +58,7 @@ class LawFit:
 
     @property
     def name(self) -> str:
-        """As in a table: yeoh, ogden 2."""
+        """Name of the law in a table: yeoh, ogden 2."""
         return self.form.name
 
     @property

@@ -75,7 +75,7 @@ class Points:
         return Points(stretch, stress, error, spread, np.array([state for _, state in bins])[order])
 
     def within(self, low: float, high: float) -> "Points":
-        """Those at stretches between two others."""
+        """The points at stretches between two others."""
         inside = (self.stretch >= low * (1 - 1e-9)) & (self.stretch <= high * (1 + 1e-9))
         stretch, stress, error, state = (of[inside] for of in (self.stretch, self.stress, self.error, self.state))
         return Points(stretch, stress, error, self.spread, state)

@@ -121,7 +121,7 @@ class Material:
 
     @property
     def points(self) -> Points:
-        """Those of all tests."""
+        """The points of all tests."""
         return Points.of(self.tests)
 
     def _line(self, fit: LawFit) -> str:

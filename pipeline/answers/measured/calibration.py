@@ -55,7 +55,7 @@ class NextMeasurement:
 
     @property
     def text(self) -> str:
-        """In words."""
+        """The load in words."""
         at = f"tip at {self.pressure_kPa:.3g} kPa"
         tip = f"{at} under {self.force_y_N:.3g} N in y" if self.force_y_N else f"unloaded {at}"
         return (
@@ -221,7 +221,7 @@ def _doubts(arm: BuiltArm, fitted: Gaussian) -> list[str]:
 
 
 def next_measurement(arm: BuiltArm, fitted: Gaussian, law: ArmLaw) -> NextMeasurement:
-    """Of the tip in some states, the one that leaves the least variance of the tip in all of them, to first order.
+    """The measurement of the tip that leaves the least variance of the tip in all states, to first order.
 
     law: of the calibrated arm.
     """

@@ -58,11 +58,11 @@ class Effects:
 
     @staticmethod
     def joined(parts: Sequence["Effects"]) -> "Effects":
-        """Those of all numbers of some parts."""
+        """The effects on all numbers of some parts."""
         return Effects(*(np.concatenate([getattr(part, one.name) for part in parts]) for one in fields(Effects)))
 
     def of(self, chosen: Mask) -> "Effects":
-        """Those of some numbers, chosen (n,)."""
+        """The effects on some numbers, chosen (n,)."""
         return Effects(*(getattr(self, one.name)[chosen] for one in fields(self)))
 
     def model_covariance(self, other: "Effects", spread: Spread) -> Array:
@@ -178,7 +178,7 @@ class Gaussian:
 
     @property
     def degrees(self) -> int:
-        """Of freedom of Student's distribution, a degree for each pressure: the error of the model is known from as
+        """Degrees of freedom of Student's distribution, one for each pressure: the error of the model is known from as
         many errors."""
         return max(1, len(np.unique(self.effects.pressures)))
 

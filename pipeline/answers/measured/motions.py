@@ -37,7 +37,7 @@ class DampedOscillation(NamedTuple):
 
     @classmethod
     def of(cls, time: Array, value: Array) -> "DampedOscillation":
-        """Of values (n,) at times (n,) in s from a release on, with two tops at least."""
+        """The oscillation of values (n,) at times (n,) in s from a release on, with two tops at least."""
         tops = tops_of(value)
         guess, begun = 1.0 / float(time[tops[1]] - time[tops[0]]), float(time[tops[0]])
         t, u = time[tops[0] :] - begun, value[tops[0] :]

@@ -36,7 +36,7 @@ def comparison_page(design: str, rows: Sequence[Compared], curves: Curves, arm: 
 
 
 def calibration_page(made: Run, rows: Sequence[Compared], curves: Curves, setup: Setup, error_mm: float) -> str:
-    """The same of a calibrated arm, that bends under the hand beside what was measured without another load.
+    """The page of a calibrated arm, that bends under the hand beside what was measured without another load.
 
     made: its results. error_mm: of its tip.
     """

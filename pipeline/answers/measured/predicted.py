@@ -135,7 +135,7 @@ class Numbers:
 
     @staticmethod
     def of(measurements: Measurements) -> "Numbers":
-        """In the order of the file."""
+        """All numbers in the order of the file."""
         pairs = [(row, name) for row in measurements.rows for name in row.values]
         values = np.array([row.values[name] for row, name in pairs])
         return Numbers(measurements, tuple(row for row, _ in pairs), tuple(name for _, name in pairs), values)

@@ -73,7 +73,7 @@ class Unknown:
         return self.drawn * math.exp(change) if self.is_factor else self.drawn + change
 
     def after(self, change: float, std: float) -> "Unknown":
-        """The same after a measurement, with the mean and the deviation of the change."""
+        """This unknown after a measurement, with the mean and the deviation of the change."""
         mean = self.value(change)
         return replace(self, mean=mean, std=std * mean if self.is_factor else std)
 

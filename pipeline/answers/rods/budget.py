@@ -65,13 +65,13 @@ class Budget:
     rows: tuple[Row, ...]  #: by falling displacement of the tip
 
     def total(self, number: str) -> float:
-        """Of one of `NUMBERS`, such as tip: the root of the sum of squares; NaN where there is no number."""
+        """Root of the sum of squares of one of `NUMBERS`, such as tip; NaN where there is no number."""
         finite = [row.changes[number] for row in self.rows if math.isfinite(row.changes[number])]
         return math.hypot(*finite) if finite else math.nan
 
     @property
     def numbers(self) -> dict[str, str]:
-        """Those of the table with their titles; out of the plane, and a limit pressure, where the law has them."""
+        """Numbers of the table with their titles; out of the plane, and a limit pressure, where the law has them."""
         shown = [name for name in NUMBERS if name not in (*ACROSS, LIMIT) or math.isfinite(self.total(name))]
         return {name: NUMBERS[name] for name in shown}
 

@@ -96,7 +96,7 @@ def solved(rod: Rod, loading: Loading) -> RodSolution | SpatialSolution:
 
 
 def shape_under(rod: Rod, loading: Loading) -> RodSolution | SpatialSolution:
-    """As `solved`. Raises RunFailed where there is none, InputError for an end farther away than the arm is long."""
+    """The shape. Raises RunFailed where there is none, InputError for an end farther away than the arm is long."""
     try:
         return solved(rod, loading)
     except RodError as failure:

@@ -257,7 +257,7 @@ class Reference:
 
     @property
     def load(self) -> str:
-        """In words."""
+        """The load in words."""
         return f"{self.force[0]:g}, {self.force[1]:g} N" if any(self.force) else "free"
 
 

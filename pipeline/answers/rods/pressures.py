@@ -70,7 +70,7 @@ class PressureFor:
 
     @property
     def text(self) -> str:
-        """In words."""
+        """The wish in words."""
         error = "" if self.error_kPa is None else f" ± {self.error_kPa:.2g}"
         several = f" ({_listed(self.pressures_kPa, '.4f')})" if len(self.pressures_kPa) > 1 else ""
         away = "" if self.away_mm is None else f", {self.away_mm:.2g} mm away"

@@ -61,7 +61,7 @@ class Rods:
 
     @property
     def swollen(self) -> "Rods | None":
-        """The same arm after the snap; None where it has no such form, and of that form itself."""
+        """This arm after the snap; None where it has no such form, and for that form itself."""
         law = self.forms.swollen if self.forms and not self.after_snap else None
         return None if law is None else replace(self, law=law, after_snap=True, branches={})
 

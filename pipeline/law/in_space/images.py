@@ -98,7 +98,7 @@ class Images:
 
     @staticmethod
     def of(tasks: ArmTasks) -> "Images":
-        """Those of the arm of tasks; a layer on one side leaves none but the arm itself."""
+        """The images of the arm of tasks; a layer on one side leaves none but the arm itself."""
         pieces, effects = tasks.pieces, tasks.pieces.config.effects
         order = () if effects.strain_limiting_layer.on or effects.hoops.on else pieces.repetition.turned
         return Images(tasks, Turns.of(list(pieces.design.cavities), order))

@@ -40,11 +40,11 @@ def tip_curve(piece: BendingPiece, cell: CellCurve, begin: Begin | None = None) 
     origin = edge.curve[-1]  # the node of the curve on the plane, which the axis passes beside it
 
     def beside(points: Array) -> Array:
-        """Of the nodes (m, 2) of the curve, in the piece, beside the axis."""
+        """Places of the nodes (m, 2) of the curve, in the piece, beside the axis."""
         return components((points - origin) * MIRROR + ripple - axis, angle)[::-1]
 
     def beside_end(point: Array) -> Array:
-        """Of one point (2,) beside the end of the axis."""
+        """Place of one point (2,) beside the end of the axis."""
         return components(((point - origin) * MIRROR + ripple - axis[0])[None], angle[:1])[0]
 
     # the plane is turned by the curvature less than the end, and the support turns against both

@@ -59,15 +59,15 @@ class ArmPieces:
         return ArmPieces(scene.config, scene.activation_distance, scene.outer_walls)
 
     def with_derivatives(self) -> "ArmPieces":
-        """The same pieces, whose curves have derivatives by the design (`pipeline.law.piece.rates`)."""
+        """These pieces, whose curves have derivatives by the design (`pipeline.law.piece.rates`)."""
         return replace(self, derivatives=True, by=(), mesh_of=None)
 
     def with_mesh(self, mesh: MeshSettings) -> "ArmPieces":
-        """The same pieces on another mesh, with the same contact and without derivatives."""
+        """These pieces on another mesh, with the same contact and without derivatives."""
         return replace(self, config=replace(self.config, mesh=mesh), derivatives=False, by=(), mesh_of=None)
 
     def with_mesh_size(self, size_mm: float) -> "ArmPieces":
-        """The same on a mesh of another size."""
+        """These pieces on a mesh of another size."""
         return self.with_mesh(replace(self.config.mesh, size_mm=size_mm))
 
     @property

@@ -81,7 +81,8 @@ def _layer_change(piece: BendingPiece, config: Config, key: str, value: float) -
 
 
 def cell_rates(piece: BendingPiece, points: Sequence[Any], curve: CellCurve | None = None) -> Rates:
-    """Of the states of a cell (`pipeline.law.piece.measure.CellPoint`) at fixed curvature, per unit of each parameter.
+    """Derivatives of the states (`pipeline.law.piece.measure.CellPoint`) of a cell at fixed curvature, per unit of each
+    parameter.
 
     curve: of these states, whose rigidities out of the plane, if it has them, have derivatives as well.
     """
@@ -108,7 +109,7 @@ def cell_rates(piece: BendingPiece, points: Sequence[Any], curve: CellCurve | No
 
 
 def clamp_rates(piece: BendingPiece, points: Sequence[PiecePoint]) -> Rates:
-    """Of the states of a clamped end at fixed moment, per unit of each parameter: the angle of the plane, and the end
+    """Derivatives of a clamped end at fixed moment, per unit of each parameter: the angle of the plane, and the end
     of the material curve there."""
 
     def row(point: PiecePoint, rate: DesignRate, length: float) -> dict[str, Any]:
@@ -239,7 +240,7 @@ class MaterialStep:
 
 
 def material_steps(config: Config) -> dict[str, MaterialStep]:
-    """By the key of the constant, such as material.E, materials.base.mu, or material.mu.2 for the second of a list."""
+    """Steps of constants by their keys: material.E, materials.base.mu, or material.mu.2 for the second of a list."""
     steps = {}
     for region, material in {"": config.material, **config.materials}.items():
         section = f"materials.{region}" if region else "material"

@@ -68,7 +68,7 @@ class Reach:
 
     @staticmethod
     def of(config: Config, bend: float) -> "Reach":
-        """That of experiment III and of the validation loads of a configuration."""
+        """The reach of experiment III and of the validation loads of a configuration."""
         end, loads = config.end, config.validation
         forces = [hypot(*force) for force in (end.force_N, *loads.forces_N)]
         heights = [abs(height) for height in (end.y_mm or 0.0, *loads.end_y_mm)]

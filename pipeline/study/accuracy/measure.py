@@ -51,7 +51,7 @@ class RodNumbers:
 
     @property
     def scalars(self) -> dict[str, float | None]:
-        """By name, the end by its coordinates."""
+        """The numbers by name, the end by its coordinates."""
         end_x, end_y = self.end_mm
         names = ("kappa_0_per_mm", "alpha1_N_mm2", RIGIDITY, "d_mm", "force_N")
         return {**{name: getattr(self, name) for name in names}, "end_x_mm": end_x, "end_y_mm": end_y}

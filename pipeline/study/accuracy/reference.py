@@ -61,7 +61,7 @@ class References:
         return tuple(filter(None, parts)) if all(parts) else ()
 
     def record(self) -> JsonObject:
-        """As in accuracy.json."""
+        """The reference as accuracy.json has it."""
         records = {name: [part._asdict() for part in self.of(name)] or None for name in NUMBERS}
         scalars = {name: parts and parts[0] for name, parts in records.items() if name != END}
         return {"pressure_kPa": self.pressure_kPa, **scalars, END: records[END]}

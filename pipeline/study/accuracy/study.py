@@ -32,7 +32,7 @@ class StudyRow:
         return self.result.cost.cpu_seconds, self.largest_error
 
     def record(self) -> JsonObject:
-        """As in accuracy.json."""
+        """The study as accuracy.json has it."""
         return {
             "series": self.series,
             "value": self.value,

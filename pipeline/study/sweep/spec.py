@@ -79,7 +79,7 @@ class Sweep:
     settings: tuple[Setting, ...]  #: the values of the axes at every point
 
     def as_draft(self) -> "Sweep":
-        """The same with a draft of the arm's own law at every point."""
+        """This sweep with a draft of the arm's own law at every point."""
         return replace(self, run=(CELL,), common={**self.common, "draft": True})
 
     @property

@@ -58,7 +58,7 @@ def find_design(
 
 
 def find_best(file: WishFile, out: Path, jobs: int, fresh: bool, progress: Progress, *, with_run: bool) -> DesignReport:
-    """As `find_design`, with the numbers of chambers of the file one by one, each in a folder of its own.
+    """The best of `find_design` with the numbers of chambers of the file one by one, each in a folder of its own.
 
     The first that misses nothing is taken, or the nearest; where something is made small, the best of all.
     """

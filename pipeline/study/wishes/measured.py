@@ -94,7 +94,7 @@ class MovedMesh:
         return all(abs(value / known[name] - 1.0) <= FARTHEST for name, value in new.items())
 
     def numbers(self, point: Array) -> Response:
-        """Of the design of a point (n,). Raises `NotBorne`."""
+        """Numbers of the design at a point (n,). Raises `NotBorne`."""
         wishes, values = self.file.wishes, self.file.wishes.values(point)
         with raise_not_borne():
             config = replace(self.file.config(point), mesh=self.meshed.config.mesh)

@@ -45,7 +45,7 @@ class Free:
 
     @property
     def unit(self) -> str:
-        """Of the values."""
+        """Unit of the values."""
         return "kPa" if self.key.startswith(PRESSURE) else "mm"
 
 
@@ -67,12 +67,12 @@ class Wish:
 
     @property
     def given(self) -> float:
-        """As `rod.arm_law.quantities.Quantity.of` takes it."""
+        """The place or force that `rod.arm_law.quantities.Quantity.of` takes."""
         return self.height_mm if self.quantity == "force" else abs(self.target[0])
 
     @property
     def name(self) -> str:
-        """In tables."""
+        """Name of the wish in tables."""
         at = f"{self.at:g} kPa" if isinstance(self.at, float) else self.at
         held = f" with the end at {self.height_mm:g} mm" if self.quantity == "force" else ""
         return f"{self.quantity} at {at}{held}{self.load and f' under {self.load}'}"
@@ -126,7 +126,7 @@ class Wishes:
         return {one.key: float(value) for one, value in zip(self.free, point, strict=True)}
 
     def pressures_kPa(self, point: Array) -> tuple[float, ...]:
-        """Of all wishes, ascending, at a point (n,)."""
+        """Pressures of all wishes, ascending, at a point (n,)."""
         values = self.values(point)
         return tuple(sorted({wish.pressure(values) for wish in self.wishes}))
 
@@ -190,7 +190,7 @@ class WishFile:
     draft: bool = False  #: whether laws of the search keep the error of the mesh of the base, as drafts do
 
     def with_chambers(self, count: int) -> "WishFile":
-        """The same for one number of chambers. Raises InputError."""
+        """This file for one number of chambers. Raises InputError."""
         return replace(self, base=self.base.with_values([(CHAMBERS, count)], lambda _: str(self.source)), counts=())
 
     def record(self) -> JsonObject:
