@@ -37,8 +37,8 @@ TURNS = {
     ("z", "y"): "[z, y, -x]",
 }
 #: the two sides of a symmetric body reach equally far but for this part of its size, because the bounds of splines are
-#: those of triangles; a suggested middle is rounded to two decimals where that moves it by less than the second
-UNEQUAL, ROUNDED = 1e-3, 1e-4
+#: those of triangles
+UNEQUAL = 1e-3
 #: smallest and largest size of an arm, mm, and that below which a body may be in another unit
 SMALLEST, LARGEST, USUAL = 1.0, 3000.0, 10.0
 #: sine of the smallest angle between the directions along and up
@@ -126,14 +126,12 @@ def goes_on(name: str, x: float) -> DesignError:
     return DesignError(name, f"{beyond}; give the x of its end there, or another height (curve)")
 
 
-def misplaced(low: Array, high: Array, middle: float, is_reoriented: bool, is_exact: bool = True) -> DesignError:
+def misplaced(low: Array, high: Array, middle: float, is_reoriented: bool) -> DesignError:
     """The refusal of a body that does not have z = 0 in its middle, or at its side if it is a half.
 
-    low, high: bounds (3,), mm; middle: the key; is_exact: whether the bounds are not those of triangles on splines.
+    low, high: bounds (3,), mm; middle: the key.
     """
     position = middle + float(low[2] + high[2]) / 2
-    if not is_exact and abs(round(position, 2) - position) <= ROUNDED * (high[2] - low[2]):
-        position = round(position, 2)
     sides = " or ".join(position_of(middle + float(side)) for side in (low[2], high[2]))
     turn = _turn(low, high) if not is_reoriented else ""
     reach = f"the body reaches from z = {low[2] + 0.0:.4g} to {high[2] + 0.0:.4g} mm"

@@ -309,7 +309,6 @@ class Results:
         tip_mass: float | str | None = None,
         release: bool = False,
         air: str | None = None,
-        step: str | None = None,
         rod: str | None = None,
         out: Path | str | None = None,
     ) -> pd.DataFrame:
@@ -321,7 +320,7 @@ class Results:
         ratio = ":".join(map(str, parts)) if len(parts) > 1 else None
         moved = move(
             self, pressure, seconds=seconds, force=force, held_at=held_at, orientation=orientation, tip_mass=tip_mass,
-            release=release, air=air, step=step, rod=rod, ratio=ratio, out=out,
+            release=release, air=air, rod=rod, ratio=ratio, out=out,
         )  # fmt: skip
         return pd.DataFrame(dict(moved.columns))
 

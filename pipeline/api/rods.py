@@ -103,7 +103,6 @@ def move(
         str | None,
         typer.Option(metavar="AIR", help="'flow 1 l/min', 'supply 40 kPa, conductance 20 mm^3/s/kPa' or 'closed'."),
     ] = None,
-    step: Annotated[str | None, typer.Option(metavar="DT", help="Of time: '5 ms' (default: by its error).")] = None,
     rod: Rod = None,
     ratio: Ratio = None,
     out: Annotated[Path | str | None, typer.Option("--out", metavar="DIR2", help="Folder (default: DIR).")] = None,
@@ -118,9 +117,7 @@ def move(
     from pipeline.answers.rods import choice, end_loads, motion
 
     loading = end_loads.read_loading(orientation, tip_mass, force=force)
-    asked = motion.MotionRequest.read(
-        pressure, seconds, loading, release=given_choice(release, "release"), air=air, step=step
-    )
+    asked = motion.MotionRequest.read(pressure, seconds, loading, release=given_choice(release, "release"), air=air)
     run = choice.run_along(given_path(path, "path", "results/arm"), ratio)
     target, rods = run.directory if out is None else given_path(out, "out", "results/arm"), choice.choose_rod(run, rod)
     along = end_loads.read_along(rods.law.length, held_at=held_at)

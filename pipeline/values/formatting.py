@@ -31,11 +31,6 @@ def percent(value: float | None) -> str:
     return f"{number(float(f'{100 * value:.2g}'))} %"
 
 
-def rounded(count: int) -> str:
-    """A predicted number to two digits."""
-    return f"{int(float(f'{count:.2g}'))}"
-
-
 def duration(seconds: float) -> str:
     """A time in seconds, or in minutes and seconds."""
     if seconds < 10.0:

@@ -96,11 +96,6 @@ class Observed:
         """For one line all along the arm."""
         return DesignMatrix(self.cumulative[:, :, -1], self.cumulative_closure[-1])
 
-    @property
-    def moment(self) -> Array:
-        """(n,) N mm, M as the estimate of curvature resolves it."""
-        return self.cumulative[0, :, -1, 0]
-
     def weighing_closure(self, weight: float) -> "Observed":
         """The data with a closure that weighs so many times more."""
         return replace(self, closure=weight * self.closure, cumulative_closure=weight * self.cumulative_closure)

@@ -166,6 +166,7 @@ def test_a_motion_ends_where_the_law_does() -> None:
     stiff = Body(arm(), Relaxation.from_loss_factor(0.02, 1.0, 10.0))
     at_once = move(stiff, 0.0, 0.06, start=Start(26.71), steps=Steps(6e-3))  # in its first step
     assert (at_once.times_s.tolist(), "beyond the law" in at_once.reason) == ([0.0], True)
+    assert move(stiff, 5.0, 3.0, steps=Steps(0.5)).reason.startswith("A step of 0.5 s does not resolve a vibration")
 
 
 @pytest.mark.parametrize(("pressure", "step"), [(31.228, 1e-3), (32.389, 2e-3), (34.0, 2e-3)])

@@ -7,7 +7,7 @@ import numpy as np
 from geometry.errors import DesignError, position_text
 from geometry.files.cad.inlets import hole_advice
 from geometry.files.cad.mirror import difference
-from geometry.files.cad.solids import CadBody, has_splines, is_in_material
+from geometry.files.cad.solids import CadBody, is_in_material
 from geometry.files.frame import (
     UNEQUAL,
     Point,
@@ -52,7 +52,7 @@ def check_position(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, h
         is_misplaced = abs(near + far) > UNEQUAL * sides.max()
     if is_misplaced:
         has_axes = not np.array_equal(np.abs(body.source.turn), np.eye(3))
-        raise misplaced(first, last, body.middle, has_axes, not has_splines(gmsh, solids))
+        raise misplaced(first, last, body.middle, has_axes)
 
 
 def check_ends(gmsh: Any, body: CadBody, solids: list[Volume]) -> None:

@@ -236,19 +236,14 @@ def bounds(gmsh: Any, volumes: list[Volume]) -> tuple[Point, Point]:
     Those of splines are the bounds of triangles on them, a few parts in 10^4 of the size too small: the kernel's own
     hold the poles of the splines, which may lie far outside.
     """
-    if has_splines(gmsh, volumes):
+    faces = gmsh.model.getBoundary(volumes, combined=False, oriented=False)
+    if any("spline" in gmsh.model.getType(*face).lower() for face in faces):
         boxes = _boxes_of_triangles(gmsh, volumes)
     else:
         boxes = np.array([gmsh.model.getBoundingBox(*volume) for volume in volumes])
     left, bottom, near = (round(float(x), 6) + 0.0 for x in boxes[:, :3].min(axis=0))
     right, top, far = (round(float(x), 6) + 0.0 for x in boxes[:, 3:].max(axis=0))
     return (left, bottom, near), (right, top, far)
-
-
-def has_splines(gmsh: Any, volumes: list[Volume]) -> bool:
-    """Whether some faces of the volumes are splines."""
-    faces = gmsh.model.getBoundary(volumes, combined=False, oriented=False)
-    return any("spline" in gmsh.model.getType(*face).lower() for face in faces)
 
 
 def _boxes_of_triangles(gmsh: Any, volumes: list[Volume]) -> Array:

@@ -15,7 +15,7 @@ from pipeline.answers.rods.end_loads import read_along
 from pipeline.answers.rods.in_time import body_of
 from pipeline.answers.rods.rods import Rods
 from pipeline.config import units
-from pipeline.results.options import option_pressures, option_value
+from pipeline.results.options import option_pressures
 from pipeline.store.owner import MOTION, claim
 from pipeline.store.time_left import TimeLeft
 from pipeline.values.errors import InputError, RunFailed, argument, ask
@@ -67,11 +67,10 @@ class MotionRequest:
     loading: Loading
     release: bool  #: the arm is let go at 0 s: of the force, or without one of what held it weightless
     air: Air | None  #: that makes the pressure, which begins as it is given; None: it stays so
-    steps: Steps
 
     @staticmethod
     def read(
-        pressure: Any, seconds: float, loading: Loading, *, release: bool, air: str | None = None, step: Any = None
+        pressure: Any, seconds: float, loading: Loading, *, release: bool, air: str | None = None
     ) -> "MotionRequest":
         """From options, as `pneurod.move` takes them. Raises InputError."""
         is_file = isinstance(pressure, Path) or (isinstance(pressure, str) and pressure.endswith(".csv"))
@@ -83,8 +82,7 @@ class MotionRequest:
                 f"{argument('seconds')}: {seconds:g} s is more than an hour of the arm, which would take long; is it "
                 f"meant? give {LONGEST:g} at most"
             )
-        steps = Steps(None if step is None else option_value("step", step, units.TIME))
-        return MotionRequest(acts, seconds, loading, release, None if air is None else _read_air(air), steps)
+        return MotionRequest(acts, seconds, loading, release, None if air is None else _read_air(air))
 
     @property
     def during(self) -> Loading:
@@ -110,7 +108,7 @@ class MotionRequest:
         is_kept = self.release or self.air is not None
         first = self.pressure if is_kept else (0.0,) * np.size(self.pressure)
         start = Start(None if np.ndim(self.pressure) == 2 else first, before)
-        return move(body, self.air or self.pressure, self.seconds, self.during, start, self.steps, tell)
+        return move(body, self.air or self.pressure, self.seconds, self.during, start, tell=tell)
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside

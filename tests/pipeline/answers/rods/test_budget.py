@@ -10,6 +10,7 @@ import pytest
 import pneurod
 from pipeline.answers.rods.budget import Budget, budget_of, budget_page, budget_panels, make_budgets
 from pipeline.api.frames import budget_frame, sensitivities_frame
+from pipeline.config import units
 from pipeline.config.load import load_config
 from pipeline.config.tolerances import STIFFNESS, Tolerance, Tolerances
 from pipeline.results.files import read_plane_law
@@ -157,6 +158,9 @@ def test_tolerances_are_read_and_kept_apart_from_the_results() -> None:
     assert every["material.E"].of(1.2) == pytest.approx(0.06)
     assert STIFFNESS not in every
     assert "tolerances" not in load_config(CONFIG).record()  # hashes of results stay
+    changed = config.tolerances.with_setting("geometry.wall", "0.3 mm", {"geometry.wall": units.LENGTH})
+    assert (changed.given["geometry.wall"].amount, changed.process) == (0.3, "printed")
+    assert changed.with_setting("process", "cast", {}).process == "cast"
 
 
 def test_cast_arms_have_the_tolerances_of_moulded_rubber() -> None:

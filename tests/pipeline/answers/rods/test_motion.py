@@ -139,11 +139,6 @@ def test_the_example_holds_an_angle_against_a_force(tmp_path: Path, monkeypatch:
     assert (tmp_path / "results" / "recipes" / "control_loop.png").stat().st_size > 1000
 
 
-def test_a_step_that_does_not_resolve_the_motion_is_named(tmp_path: Path) -> None:
-    with pytest.raises((InputError, RunFailed), match=r"A step of 0\.5 s does not resolve"):
-        pneurod.move(COARSE, "5 kPa", seconds=3.0, step="500 ms", out=tmp_path)
-
-
 def test_the_rubber_of_a_material() -> None:
     given, told = rubber_of(SLOW, lambda: 9.0)
     assert given.loss_factor(5.0) == pytest.approx(0.12, rel=0.06)
