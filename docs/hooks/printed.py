@@ -6,20 +6,22 @@ that the pages say to save, such as `arm.csv`.
 """
 
 import gzip
-import os
 import re
 import shlex
 import shutil
-import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import chdir
 from pathlib import Path
 from tempfile import TemporaryDirectory
+
+from typer.testing import CliRunner
 
 HERE = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(HERE))
 try:
     from benchmarks.markdown import Made, made, write_made
+    from pipeline.cli import app
 finally:
     sys.path.pop(0)
 
@@ -53,11 +55,12 @@ def prepare(folder: Path) -> None:
 def printed(command: str, folder: Path) -> str:
     """What a command prints in a folder, without its progress, as a block of code.
 
-    subprocess.CalledProcessError: it does not end with status 0.
+    RuntimeError: it does not end with status 0.
     """
-    program = [sys.executable, "-c", "from pipeline.cli import main; main()", *shlex.split(command)[1:]]
-    environment = {**os.environ, "PYTHONPATH": str(HERE), "COLUMNS": "120"}
-    ended = subprocess.run(program, cwd=folder, env=environment, capture_output=True, text=True, check=True)
+    with chdir(folder):
+        ended = CliRunner().invoke(app, shlex.split(command)[1:], env={"COLUMNS": "120"})
+    if ended.exit_code:
+        raise RuntimeError(f"{command}: {ended.output}")
     lines = [line.rstrip() for line in ended.stdout.strip("\n").split("\n") if not _PROGRESS.search(line)]
     return "\n".join(f"    {line}" if line else "" for line in lines)
 
