@@ -50,8 +50,8 @@ class CompiledLater(Generic[P, R]):
             if isinstance(call, CompiledLater):
                 numba.extending.overload(call.function)(_calling(call.compiled()))
             else:
-                numba.extending.register_jitable(call)
-        compiled = numba.njit(cache=True)(self.function)
+                numba.extending.register_jitable(no_cfunc_wrapper=True)(call)
+        compiled = numba.njit(cache=True, no_cfunc_wrapper=True)(self.function)
         # numba itself looks at the file of the function alone, and not at those of the functions that it calls
         compiled._cache._cache_file._source_stamp = source_stamp(self._all)
         result: Callable[P, R] = compiled

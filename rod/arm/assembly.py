@@ -11,7 +11,7 @@ from rod.arm.bands import solve_small
 from rod.arm.elements import plane_element, space_element, strain_change
 from rod.arm.end_kernels import EndArrays, clamp_in_plane, clamp_in_space
 from rod.arm.nodes import ArmArrays, Chain, LoadArrays, StateArrays, Tangent, acting, hold_nodes, load_nodes, load_tip
-from rod.arm.rotations import exponential, logarithm, multiply, multiply_transposed
+from rod.arm.rotations import copy_into, exponential, logarithm, multiply, multiply_transposed
 from rod.arm.section_kernels import SectionArrays, add_memory, elastic, plane_section, space_section
 
 
@@ -251,7 +251,7 @@ def move(chain: Chain, state: StateArrays, motion: Array, work: Array) -> float:
             largest = max(largest, abs(motion[node, i]) / chain.length, abs(motion[node, 3 + i]))
         exponential(motion[node, 3:], work[0])
         multiply(work[0], state.frames[node], work[1])
-        state.frames[node] = work[1]
+        copy_into(work[1], state.frames[node])
     return largest
 
 
@@ -270,7 +270,7 @@ def _first(section: SectionArrays, chain: Chain, state: StateArrays, room: Scrat
     felt = gradient.copy()
     if len(section.memory):
         _element(rubber, chain, state, 0, room, kept)
-        felt[:] = gradient
+        felt = gradient.copy()
         _element(section, chain, state, 0, room, kept)
     return outside, First(gradient.copy(), room.hessian.copy(), felt, decides, section.scale)
 

@@ -133,8 +133,8 @@ def add_inertia(inertia: Inertia, chain: Chain, state: StateArrays, tangent: Tan
 
     The tangent is without what the speeds and the turning of a lever add.
     """
-    m, three = 6 if chain.in_space else 3, np.empty((5, 3, 3))
-    base, frame, between, second, turned = three[0], three[1], three[2], three[3], three[4]
+    m, three = 6 if chain.in_space else 3, np.empty((4, 3, 3))
+    frame, between, second, turned = three[0], three[1], three[2], three[3]
     first, turn, motion, out, block = np.empty(3), np.zeros(3), np.empty((3, 3)), np.empty(6), np.zeros((6, 6))
     by, half = inertia.of_motion, 2 * m - 1
     for node in range(1, len(state.place)):
@@ -142,14 +142,12 @@ def add_inertia(inertia: Inertia, chain: Chain, state: StateArrays, tangent: Tan
             continue
         frame_of(chain, state, node, frame)
         if chain.in_space:
-            base[:] = inertia.frames[node].T
-            multiply(frame, base, between)
+            multiply(frame, inertia.frames[node].T, between)
             logarithm(between, turn)
         else:
             turn[2] = state.angle[node] - inertia.angle[node]
-        base[:] = frame.T
         multiply(frame, inertia.second[node], turned)
-        multiply(turned, base, second)
+        multiply(turned, frame.T, second)
         carried = inertia.carried[node]
         for i in range(3):
             first[i] = frame[i, 0] * inertia.first[node, 0] + frame[i, 1] * inertia.first[node, 1]
@@ -202,24 +200,24 @@ def _solved(tangent: Tangent, load: LoadArrays, free: int, step: Step) -> tuple[
     return True, negative
 
 
-def _tangent_of(
-    arm: ArmArrays, load: LoadArrays, state: StateArrays, factor: float, tangent: Tangent, side: Array, step: Step
-) -> NewtonResult:
-    """The tangent of a state, with its forces in the geometric part; a side becomes what the arm answers to it."""
-    motion, rows = step.motion, len(step.columns)
-    m, outside, beyond = motion.shape[1], math.inf, math.inf
-    for _ in range(2):
-        outside, beyond = assemble(arm, load, state, factor, tangent, False)
-        motion[:] = 0.0
-        predict(arm.chain, state, tangent.kept, motion)
-    if len(side):
-        tangent.residual[:], tangent.start[:, 0] = side[:rows], side[rows : rows + m]
-        tangent.missed[:] = side[rows + m :]
-        known, _ = _solved(tangent, load, arm.chain.free, step)
-        if not known:
-            return NewtonResult(False, outside, beyond, (0, 0), 1)
-        side[: rows + m], side[rows + m :] = motion.reshape(rows + m), step.reaction[:, 0]
-    return NewtonResult(True, outside, beyond, (0, 0), 0)
+def _load_by(side: Array, tangent: Tangent) -> None:
+    """Make a side the residual of a tangent, the motion of the first node and what is missed."""
+    rows, m = len(tangent.residual), len(tangent.start)
+    for k in range(rows):
+        tangent.residual[k] = side[k]
+    for i in range(m):
+        tangent.start[i, 0] = side[rows + i]
+    for a in range(len(tangent.missed)):
+        tangent.missed[a] = side[rows + m + a]
+
+
+def _answer(step: Step, side: Array) -> None:
+    """Fill in a side by motions and reactions."""
+    nodes, m = step.motion.shape
+    for k in range(nodes * m):
+        side[k] = step.motion[k // m, k % m]
+    for a in range(len(step.reaction)):
+        side[nodes * m + a] = step.reaction[a, 0]
 
 
 def _newton(
@@ -239,14 +237,15 @@ def _newton(
     what the arm answers: the motions of the nodes, and the reactions.
     """
     m, nodes, count, is_moving = 6 if arm.chain.in_space else 3, len(state.place), len(load.held), len(inertia.mass) > 0
-    rows = m * (nodes - 1)
-    columns, small, right = np.empty((rows, 1 + count)), np.empty((count, count)), np.empty((count, 1))
-    step, work = Step(np.empty((nodes, m)), columns, small, right), np.empty((2, 3, 3))
-    if iterations == 0:
-        return _tangent_of(arm, load, state, factor, tangent, side, step)
-    outside, beyond, before = math.inf, math.inf, math.inf
+    columns, small, right = np.empty((m * (nodes - 1), 1 + count)), np.empty((count, count)), np.empty((count, 1))
+    step, work, before = Step(np.empty((nodes, m)), columns, small, right), np.empty((2, 3, 3)), math.inf
+    outside, beyond = math.inf, math.inf
     for iteration in range(max(iterations, 2)):
         outside, beyond = assemble(arm, load, state, factor, tangent, is_moving)
+        if iterations == 0:
+            step.motion[:] = 0.0
+            predict(arm.chain, state, tangent.kept, step.motion)
+            continue
         if is_moving:
             add_inertia(inertia, arm.chain, state, tangent)
         known, negative = _solved(tangent, load, arm.chain.free, step)
@@ -265,7 +264,11 @@ def _newton(
         if is_small and iteration > 0:
             return NewtonResult(True, outside, beyond, negative, iteration + 1)
         before = largest
-    return NewtonResult(False, outside, beyond, (0, 0), iterations)
+    if iterations == 0 and len(side):
+        _load_by(side, tangent)
+        if _solved(tangent, load, arm.chain.free, step)[0]:
+            _answer(step, side)
+    return NewtonResult(iterations == 0, outside, beyond, (0, 0), iterations)
 
 
 def _shorten(motion: Array, iteration: int) -> None:
@@ -296,5 +299,17 @@ def negative_of(matrix: Array) -> int:
 #: the functions that `_newton` calls, innermost first
 CALLS = (
     *assembly.CALLS,
-    *(factorize, solve, negative_of, border_system, unstable, _inertial, add_inertia, _solved, _tangent_of, _shorten),
+    *(
+        factorize,
+        solve,
+        negative_of,
+        border_system,
+        unstable,
+        _inertial,
+        add_inertia,
+        _solved,
+        _load_by,
+        _answer,
+        _shorten,
+    ),
 )

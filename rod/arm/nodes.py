@@ -11,7 +11,7 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from rod.arm.end_kernels import TIP_COLUMNS, EndArrays, tip_levers
-from rod.arm.rotations import exponential, multiply
+from rod.arm.rotations import copy_into, exponential, multiply
 from rod.arm.section_kernels import SectionArrays
 
 #: numbers that are kept of an element, and where its forces begin, in the plane and in space
@@ -104,7 +104,7 @@ def acting(load: LoadArrays, state: StateArrays, factor: float) -> LoadArrays:
 def frame_of(chain: Chain, state: StateArrays, i: int, out: Array) -> None:
     """The frame (3, 3) of a node."""
     if chain.in_space:
-        out[:] = state.frames[i]
+        copy_into(state.frames[i], out)
         return
     c, s = math.cos(state.angle[i]), math.sin(state.angle[i])
     out[:] = 0.0
@@ -195,7 +195,9 @@ def hold_nodes(load: LoadArrays, chain: Chain, state: StateArrays, tangent: Tang
             row[places + i - first] = lever[j]
         if j >= first:
             row[places + j - first] = -lever[i]
-    tangent.by_reaction[:] = -tangent.by_motion
+    for c in range(len(load.held)):
+        for i in range(6):
+            tangent.by_reaction[c, i] = -tangent.by_motion[c, i]
 
 
 def _turned_tip(

@@ -59,6 +59,13 @@ def logarithm(frame: Array, out: Array) -> None:
         out[i] *= factor
 
 
+def copy_into(matrix: Array, out: Array) -> None:
+    """Copy a matrix (3, 3). To copy slices, numba compiles the text of an error, too."""
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = matrix[i, j]
+
+
 def multiply(a: Array, b: Array, out: Array) -> None:
     """a b of two matrices (3, 3)."""
     for i in range(3):
@@ -74,4 +81,4 @@ def multiply_transposed(a: Array, b: Array, out: Array) -> None:
 
 
 #: what the elements call
-CALLS = (cross_into, skew, turn_matrix, exponential, logarithm, multiply, multiply_transposed)
+CALLS = (cross_into, skew, turn_matrix, exponential, logarithm, copy_into, multiply, multiply_transposed)

@@ -74,15 +74,14 @@ def _moved(chain: Chain, state: StateArrays, motion: Array) -> StateArrays:
 
 def _motion(chain: Chain, before: StateArrays, after: StateArrays) -> Array:
     """(N, 6) between two states."""
-    motion, work = np.zeros((len(after.place), 6)), np.empty((2, 3, 3))
+    motion, turned = np.zeros((len(after.place), 6)), np.empty((3, 3))
     for node in range(len(motion)):
         for i in range(3):
             motion[node, i] = after.place[node, i] - before.place[node, i]
         motion[node, 5] = after.angle[node] - before.angle[node]
         if chain.in_space:
-            work[0] = before.frames[node].T
-            multiply(after.frames[node], work[0], work[1])
-            logarithm(work[1], motion[node, 3:])
+            multiply(after.frames[node], before.frames[node].T, turned)
+            logarithm(turned, motion[node, 3:])
     return motion
 
 
