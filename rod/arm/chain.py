@@ -68,10 +68,13 @@ class Nodes(NamedTuple):
     @property
     def state(self) -> StateArrays:
         """A copy that the solver may change."""
-        return self.moved(np.zeros((len(self.s), 6)), np.zeros(len(self.reaction)))
+        place, angle, frames, reaction = (one.copy() for one in (self.place, self.angle, self.frames, self.reaction))
+        return StateArrays(place, angle, frames, np.zeros((len(self.s) - 1, 3)), reaction)
 
     def on(self, s: Array) -> StateArrays:
         """The state on other nodes (n,) mm, with the strains of these elements."""
+        if np.array_equal(s, self.s):
+            return self.state
         h = np.diff(self.s)
         turns = turn_of(np.swapaxes(self.frames[:-1], 1, 2) @ self.frames[1:])
         strains = np.column_stack([turns, np.linalg.norm(np.diff(self.place, axis=0), axis=1)]) / h[:, None]

@@ -210,8 +210,11 @@ class ClampCurve:
 
     def beside_at(self, moment: Array) -> Array:
         """(n, m, 2) mm: the nodes of the material curve beside the axis at moments (n,); the ends outside."""
-        slopes = parabola_slopes(self.moment, self.beside)
-        return cubic(self.moment, self.beside, slopes, self._inside(moment))
+        return cubic(self.moment, self.beside, self._beside_slopes, self._inside(moment))
+
+    @cached_property
+    def _beside_slopes(self) -> Array:
+        return parabola_slopes(self.moment, self.beside)
 
     def slopes_at(self, slopes: Array, moment: Array) -> Array:
         """(n,) slopes (k,) of the rotation by a pressure or a place, at moments (n,); the ends outside.
@@ -262,24 +265,24 @@ class TipCurve:
         """At its pressure."""
         return CurveAt(self.pressure, self, {})
 
-    @property
+    @cached_property
     def free(self) -> "TipState":
         """The end without a support."""
         return TipState(self.s, np.zeros(1), self.edge[None], self.beside[None], np.zeros_like(self.beside))
 
-    @property
+    @cached_property
     def held(self) -> "TipState":
         """The end whose edge is held at a height."""
         return TipState(self.s, self.couple, self.acts_at, self.beside_held, np.zeros_like(self.beside))
 
-    @property
+    @cached_property
     def held_along_x(self) -> "TipState":
         """The end whose edge is held at a position along x: a support at a height, a quarter turn on."""
         quarter = len(self.couple) // 4
         couple, acts_at, beside = (np.roll(a, -quarter, axis=0) for a in (self.couple, self.acts_at, self.beside_held))
         return TipState(self.s, couple, acts_at, beside, self.pinned_by_pull)
 
-    @property
+    @cached_property
     def pinned(self) -> "TipState":
         """The end whose edge is held in one point: forces there have no couple."""
         still = self.beside_pinned
@@ -306,9 +309,12 @@ class TipState:
 
     def beside_at(self, turn: float, pull: float) -> Array:
         """(m, 2) mm: the nodes of the material curve at a turn in rad and an axial force on the end in N."""
-        values, slopes = self.over_turns(self.beside)
-        still = cubic(self.turns, values, slopes, (turn + np.pi) % (2.0 * np.pi) - np.pi)
+        still = cubic(self.turns, *self._beside_over_turns, (turn + np.pi) % (2.0 * np.pi) - np.pi)
         return still + pull * self.by_pull
+
+    @cached_property
+    def _beside_over_turns(self) -> tuple[Array, Array]:
+        return self.over_turns(self.beside)
 
     def over_turns(self, rows: Array) -> tuple[Array, Array]:
         """Rows (n, ...) and their slopes per rad at the turns, (n + 1, ...) each, of a smooth periodic curve."""

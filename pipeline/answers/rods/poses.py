@@ -124,13 +124,13 @@ def _in_plane(rods: Sequence[Rod | None]) -> JsonObject:
     reach = max(max(map(abs, _moments(rod))) / (rod.length * _scale(rod)) for rod in known)
     most = math.asinh(min(BY_RIGIDITY, BY_MOMENT * reach))
     sizes = np.linspace(0.0, most, 1 + math.ceil(most / STEP))
-    rest = [(1.0, 0.0) if rod is None else rod.arm.in_plane(Load()).end for rod in rods]
-    chords = [math.atan2(y, x) for x, y in rest]
+    rests = [None if rod is None else rod.arm.in_plane(Load()) for rod in rods]
+    chords = [0.0 if rest is None else math.atan2(*rest.end[::-1]) for rest in rests]
     scales = [math.nan if rod is None else _scale(rod) for rod in rods]
     rows, even = list[Array](), np.linspace(0.0, 2.0 * np.pi, DIRECTIONS, endpoint=False)
-    for rod, chord, scale in zip(rods, chords, scales, strict=True):
+    for rod, rest, chord, scale in zip(rods, rests, chords, scales, strict=True):
         for angle in chord + even + DENSER * np.sin(even):
-            rows += _along(rod, np.outer(scale * np.sinh(sizes), [np.cos(angle), np.sin(angle), 0.0]), 2)
+            rows += _along(rod, rest, np.outer(scale * np.sinh(sizes), [np.cos(angle), np.sin(angle), 0.0]), 2)
     scales = [scale if math.isfinite(scale) else 0.0 for scale in scales]
     return {
         "chords": chords,
@@ -146,11 +146,14 @@ def _in_space(rods: Sequence[Rod | None]) -> JsonObject:
     """Shapes over pressures and the force along each of three axes; what forces along several do is added."""
     forces = min(BY_LAW * _moments(rod)[1] / rod.length for rod in rods if rod is not None) * ALONG_AXIS
     rows, middle = [], len(forces) // 2
-    for rod, axis in product(rods, np.eye(3)):
-        down, up = (
-            _along(rod, np.outer(forces[side], axis), 3) for side in (slice(middle, None, -1), slice(middle, None))
-        )
-        rows += down[:0:-1] + up
+    for rod in rods:
+        rest = None if rod is None else rod.arm.solve_in_space(Load())
+        for axis in np.eye(3):
+            down, up = (
+                _along(rod, rest, np.outer(forces[side], axis), 3)
+                for side in (slice(middle, None, -1), slice(middle, None))
+            )
+            rows += down[:0:-1] + up
     return {"forces_N": forces.tolist(), **_packed(rows)}
 
 
@@ -165,8 +168,8 @@ def _moments(rod: Rod) -> tuple[float, float]:
     return rod.arm.moments if known is None else (min(0.0, known.low), max(0.0, known.high))
 
 
-def _along(rod: Rod | None, forces: Array, axes: int) -> list[Array]:
-    """A row of the grid at each of growing forces (n, 3), from none on.
+def _along(rod: Rod | None, shape: Any, forces: Array, axes: int) -> list[Array]:
+    """A row of the grid at each of growing forces (n, 3), from none on, at which the rod has this shape.
 
     Rows have x, y (and z) of `POINTS` along the material curve (mm), how far it bends (degrees), and the part of the
     law that it uses. Far beyond, after a snap and without equilibrium they go on straight, with the part `FILLED`.
@@ -174,7 +177,6 @@ def _along(rod: Rod | None, forces: Array, axes: int) -> list[Array]:
     if rod is None:
         return [np.full(axes * POINTS + 2, np.nan)] * len(forces)
     arm, rows = rod.arm, list[Array]()
-    shape: Any = arm.in_plane(Load()) if arm.has_plane else arm.solve_in_space(Load())
     side = math.copysign(1.0, shape.bending_deg * shape.theta[-1]) if arm.has_plane else 0.0
     for force in forces:
         with suppress(RodError):
