@@ -21,8 +21,8 @@ class StaleFactorization(RuntimeError):
 class Linearised:
     """The tangent at one state, factorized.
 
-    The solver holds one factor at a time. `solve` works until the system is linearised again, its sparsity pattern
-    grows or its solver is closed, and raises `StaleFactorization` from then on; the other members stay.
+    The solver holds one factor at a time. `solve` works until the system is linearised again or its solver is closed,
+    and raises `StaleFactorization` from then on; the other members stay.
     """
 
     coupling: Change  #: the tangent times the increment by which the displacement is about to meet the constraints

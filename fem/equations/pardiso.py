@@ -27,9 +27,9 @@ from fem.equations.linear import (
 from geometry.arrays import Array
 
 #: orderings of PARDISO: minimum degree is as fast as nested dissection or faster for slender bodies, which have small
-#: separators, of up to about 50 000 unknowns (studies/solver.md)
+#: separators, of up to about so many entries of the matrix (studies/solver.md)
 MINIMUM_DEGREE, NESTED_DISSECTION = 0, 3
-LARGE = 50_000
+LARGE = 2_100_000
 #: entries of the factor by minimum degree over those of the matrix beyond which nested dissection is taken
 FILLED = 6.5
 #: index in PARDISO's iparm: -1 has the analysis count the entries of the factor, and it holds their number after that
@@ -51,7 +51,7 @@ ANALYSE, FACTORIZE, SOLVE = 11, 22, 33
 class Pardiso(LinearSolver):
     """PARDISO of the MKL for real symmetric indefinite matrices (mtype -2), phases 11, 22 and 33 apart.
 
-    The ordering follows from the number of unknowns and the entries of the factor (LARGE, FILLED).
+    The ordering follows from the entries of the matrix and of its factor (LARGE, FILLED).
 
     A factor that would not fit into `memory` (bytes; by default what the machine has to spare when the matrix is
     analysed) is made in single precision, half as large; solutions then come from GMRES in double precision with that
@@ -59,7 +59,7 @@ class Pardiso(LinearSolver):
     """
 
     def __init__(self, memory: float | None = None, large: int = LARGE) -> None:
-        """large: number of unknowns from which on nested dissection and two levels are taken."""
+        """large: number of entries from which on nested dissection and two levels are taken."""
         self._solver = _new_solver()
         weakref.finalize(self, _release, self._solver)
         self._memory, self._large = memory, large
@@ -99,7 +99,7 @@ class Pardiso(LinearSolver):
         start = perf_counter()
         self.close()
         spare = spare_memory() if self._memory is None else self._memory
-        is_large = indptr.shape[0] - 1 >= self._large
+        is_large = indices.shape[0] >= self._large
         self._order(NESTED_DISSECTION if is_large else MINIMUM_DEGREE, indptr, indices, spare)
         if not is_large and self._solver.get_iparm(ENTRIES) > FILLED * indices.shape[0]:
             _release(self._solver)

@@ -111,8 +111,7 @@ class TangentStorage:
 
     Where the constraints select components the tangent is assembled over these alone. For others it is assembled over
     all components and reduced, T^T K T. The pattern is enlarged by new contact pairs and does not shrink along a path,
-    so that re-analysis is rare. It is made, and the order of elimination chosen for it, when it is first used: a path
-    of which every state is stored needs neither.
+    so that re-analysis is rare. It is made when it is first used: a path of which every state is stored needs none.
     """
 
     added: Index  #: (k,) the node pairs of the pattern that no element has, as `Pattern.keys` are, sorted
@@ -135,7 +134,7 @@ class TangentStorage:
         self._nodes = space.points.shape[0] + formulation.unknowns
         self._of_elements = element_keys(formulation.element_unknowns, self._nodes)
         self.added = np.empty(0, dtype=np.int64)
-        self._is_current = False  #: whether the pattern is that of `added`, and analysed
+        self._is_current = False  #: whether the pattern is that of `added`
 
     @property
     def pattern(self) -> Pattern:
@@ -165,7 +164,7 @@ class TangentStorage:
             self._use(sorted_unique(np.concatenate([self._of_elements, self.added])))
 
     def constrain(self, constraints: Constraints) -> None:
-        """Take other constraints; analyse again only if the pattern of the factorized matrix is another one."""
+        """Take other constraints."""
         self._constraints = constraints
         transformation = with_identity(constraints.transformation, self._formulation.unknowns)
         if self._is_current and self._reduction is not None and self._reduction.applies_to(transformation):
@@ -208,7 +207,7 @@ class TangentStorage:
         return self._pattern.starts_of(blocks.rows, blocks.columns)
 
     def _use(self, keys: Index) -> None:
-        """Take the pattern of node pairs with these keys, and analyse it if it is another one."""
+        """Take the pattern of node pairs with these keys."""
         space, selects, count = self._space, self._constraints.selects, self._space.points.shape[0]
         prescribed = np.ones((count + self._formulation.unknowns, 3), dtype=bool)
         prescribed[:count] = self._constraints.constrained if selects else False
@@ -219,17 +218,18 @@ class TangentStorage:
         self._pressure_offsets = self._formulation.offsets(pattern)
         self._last = {}
         self._reduction = None
-        factorized: UpperTriangle = pattern.indptr, pattern.indices
         if not selects:
             transformation = with_identity(self._constraints.transformation, self._formulation.unknowns)
             self._reduction = Reduction.of(pattern.indptr, pattern.indices, transformation)
-            factorized = self._reduction.indptr, self._reduction.indices
-        starts, columns = self._analysed
-        if not (np.array_equal(factorized[0], starts) and np.array_equal(factorized[1], columns)):
-            self._analysed = _NOTHING
-            self._solver.analyse(*factorized)
-            self._analysed = factorized
         self._is_current = True
+
+    def analyse(self) -> None:
+        """Have the solver choose the order of elimination for the factorized matrix, if it has another pattern now."""
+        made = self._reduction or self.pattern
+        if not all(map(np.array_equal, (made.indptr, made.indices), self._analysed)):
+            self._analysed = _NOTHING
+            self._solver.analyse(made.indptr, made.indices)
+            self._analysed = made.indptr, made.indices
 
 
 def with_identity(transformation: sp.csr_matrix, unknowns: int) -> sp.csr_matrix:

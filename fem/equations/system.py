@@ -173,6 +173,7 @@ class System:
         if increment is None:
             increment = np.zeros_like(state.displacement)
         data, coupling = self.tangent(state, assembly, terms, increment, convex)
+        self.storage.analyse()
         self.solver.factorize(data)
         pivots = self.solver.negative_pivots - self.formulation.unknowns
         return Linearised(coupling, pivots, self.solver, self.solver.generation, self.constraints)
