@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from fem.elements import Element, Volumetric, element_of
 from fem.kernels.element import ElementArrays, chunk_colours, green_lagrange
@@ -142,6 +143,11 @@ class Discretisation:
     def vertices(self) -> Index:
         """(e, 4) the nodes that are vertices."""
         return np.ascontiguousarray(self.nodes[:, :4])
+
+    @cached_property
+    def tree(self) -> cKDTree:
+        """For the nodes next to positions."""
+        return cKDTree(self.points)
 
     @property
     def nodes_of_tets(self) -> Index:

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fem.discretisation import Discretisation
 from fem.finite import check_finite
@@ -188,7 +187,7 @@ def nodes_at(where: Where, space: Discretisation) -> Index:
             raise SupportError(f"faces {where[0]!r} and {where[1]!r} have no common edge")
         return nodes
     positions = where.positions(space) if isinstance(where, Line) else np.atleast_2d(np.asarray(where, dtype=float))
-    distance, nodes = cKDTree(space.points).query(positions)
+    distance, nodes = space.tree.query(positions)
     if distance.max() > NEAR * np.ptp(space.points, axis=0).max():
         worst = positions[int(np.argmax(distance))]
         raise SupportError(f"no node at {tuple(np.round(worst, 6))} mm; the nearest is {distance.max():.3g} mm away")

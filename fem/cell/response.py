@@ -23,7 +23,6 @@ from math import nan
 from typing import Any, final
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fem.cell.air import AirPressure
 from fem.cell.mirror_contact import is_with_images
@@ -178,7 +177,7 @@ def _fields_at(piece: BendingPiece, at: PieceState, points: Array) -> tuple[Arra
     frame = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
     height = float((x[piece.plane] @ frame[:, 1]).mean())
     fields = np.hstack([x, fields_of(piece.space, at.state)[:, 3:]])
-    return fields[cKDTree(piece.space.points).query(points)[1]], frame, height
+    return fields[piece.space.tree.query(points)[1]], frame, height
 
 
 def shear_rigidity(piece: BendingPiece, at: PieceState, known: Slopes) -> float:
