@@ -181,7 +181,7 @@ def _along(rod: Rod | None, shape: Any, forces: Array, axes: int) -> list[Array]
     for force in forces:
         with suppress(RodError):
             if not rows or rows[-1][-1] <= AROUND:
-                shape = arm.beside(shape, Load(tuple(force.tolist())))
+                shape = arm.beside(shape, Load(tuple(force.tolist()))) if rows else shape
                 curve = _smooth(shape)
                 bent = math.degrees(side * shape.theta[-1]) if side else shape.bending_deg
                 is_lost = bool(shape.path.fall or (rod.moment_range and rod.moment_range.warning(shape)))
