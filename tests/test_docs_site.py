@@ -182,7 +182,7 @@ def test_the_tutorial_can_be_followed(followed: Path) -> None:
 @ON_RESULTS_OF_THE_TUTORIAL
 def test_the_python_guide_runs_on_the_results_of_the_tutorial(followed: Path) -> None:
     text = (DOCS / "how_to" / "python.md").read_text(encoding="utf-8")
-    [block] = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    block, _ = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
     (followed / "block.py").write_text(block, encoding="utf-8")
     ended = run_in(followed, "-W", "error", "block.py")
     assert (ended.returncode, ended.stderr) == (0, "")

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import fem
-from pipeline.store.result_folder import ResultFolder
+from pipeline.store.result_folder import MADE, ResultFolder
 from tests.pipeline.store.test_processes import own_processes
 
 HERE = Path(__file__).resolve().parent.parent.parent.parent
@@ -139,4 +139,4 @@ def test_without_room_for_the_report_all_else_is_there(folder: Path) -> None:
     assert store.read_json("parameters.json")["pressures_kPa"] == [4.0, 7.0, 10.0]
     left = {path.name for path in (folder / "out").rglob("*") if path.is_file()}
     assert "report.html" not in left
-    assert not [name for name in left if name.startswith(".")]
+    assert {name for name in left if name.startswith(".")} == {MADE}

@@ -141,12 +141,13 @@ def test_relaxing_rubber_damps_an_export_as_at_its_first_vibration(tmp_path: Pat
 
 
 @pytest.mark.slow
-def test_every_line_that_pneurod_material_prints_is_run_and_exported(tmp_path: Path) -> None:
-    """All laws, from the tensile tests to a file whose error against finite elements is small."""
+def test_every_law_that_pneurod_material_fits_is_run_and_exported(tmp_path: Path) -> None:
+    """All laws, from the tensile tests to a file that is near its rod."""
     tensile = str(COARSE.parents[2] / "configs" / "elastosil_m4601_yeoh.csv")
-    out = done("material", tensile, "--density", "1130 kg/m^3", "--out", str(tmp_path / "material"))
-    lines = [line.partition("#")[0].removeprefix("material:") for line in out.splitlines() if line[:9] == "material:"]
-    assert {name for name in LAWS if any(f"law: {name}" in line for line in lines)} == set(LAWS)
+    done("material", tensile, "--density", "1130 kg/m^3", "--out", str(tmp_path / "material"))
+    laws = json.loads((tmp_path / "material" / "material.json").read_text(encoding="utf-8"))["laws"]
+    lines = [law["yaml"].removeprefix("material:") for law in laws if law["yaml"]]  # none for hencky and svk
+    assert {name for name in LAWS if any(f"law: {name}" in line for line in lines)} == set(LAWS) - {"hencky", "svk"}
     for number, line in enumerate(lines):
         folder, config = tmp_path / f"run_{number}", tmp_path / f"arm_{number}.yaml"
         config.write_text(
@@ -157,7 +158,9 @@ def test_every_line_that_pneurod_material_prints_is_run_and_exported(tmp_path: P
         done("run", str(config), "--out", str(folder))
         for target in ("mujoco", "pyelastica", "json", "csv", "somo", "sorosim"):
             out = done("export", str(folder), "--to", target)
-            assert target == "csv" or error_in(out) < 0.01, line
+            found = re.findall(r"deviates from its rod by at most ([\d.e-]+) %", out)
+            assert all(float(percent) < 1.0 for percent in found), line
+            assert found or target in ("csv", "json")
 
 
 def _without_density(content: dict[str, Any]) -> None:
