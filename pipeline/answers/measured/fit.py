@@ -176,4 +176,5 @@ def _improved(arm: BuiltArm, numbers: Numbers, fitted: Gaussian, lowest: float) 
 
     least, start = np.full(len(stds), -np.inf), np.array(fitted.changes)
     least[0], start[0] = lowest, max(start[0], lowest)
-    return least_squares(residual, start, slopes, (least, np.inf), x_scale=stds, xtol=1e-3, ftol=1e-4, max_nfev=6).x
+    how = {"method": "dogbox", "xtol": 1e-3, "ftol": 1e-4, "max_nfev": 6}  # "trf" does not leave a bound at the start
+    return least_squares(residual, start, slopes, (least, np.inf), x_scale=stds, **how).x

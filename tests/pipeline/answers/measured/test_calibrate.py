@@ -145,6 +145,17 @@ def test_moduli_that_fall_with_the_pressure_leave_out_pressures_too(tmp_path: Pa
     assert found["geometry.wall"].mean == pytest.approx(1.0, abs=0.1)
 
 
+def test_a_stiffer_arm_is_fitted_from_rows_up_to_the_end_of_the_law(tmp_path: Path) -> None:
+    """The fit begins at the softest modulus whose law reaches these rows, and gets away from there."""
+    law = arm_law()
+    built = law.with_changes({"geometry.wall": 0.06}).scaled(1.25)
+    file = measured(tmp_path / "arm.csv", built, [State(pressure) for pressure in (10.0, 25.0, 40.0)], 0.3)
+    unknowns = unknowns_of(law, {"geometry": {}}, ("geometry.wall",), 40.0)
+    fitted = fit(BuiltArm(law, unknowns), Numbers.of(read_measurements(file)))
+    assert abs(fitted.mean[0] - np.log(1.25)) < 2.0 * fitted.stds[0] < 0.5
+    assert fitted.step < 0.1
+
+
 def test_no_row_is_left_out_where_the_law_reaches(tmp_path: Path) -> None:
     """The law of an arm of 0.85 times the modulus ends at 34 kPa, and its scatter might leave 32 kPa beyond it."""
     law = arm_law()
