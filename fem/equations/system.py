@@ -102,10 +102,16 @@ class System:
         pressure = self.formulation.pressure_of(strain)
         return State(factor, displacement, pressure, strain, self.formulation.evaluate(strain, pressure).stress)
 
-    def evaluated(self, state: State) -> State:
-        """The state with the strain of its displacement and the stress of that, at its pressures."""
-        strain, _ = self.space.strain_of(state.displacement)
-        return replace(state, strain=strain, stress=self.formulation.evaluate(strain, state.pressure).stress)
+    def strained(self, state: State) -> State:
+        """The state with the strain of its displacement; its stress is that of its `assemble` then."""
+        return replace(state, strain=self.space.strain_of(state.displacement)[0])
+
+    def settled(self, state: State, terms: Terms) -> tuple[State, Assembly]:
+        """The state in which pressure, strain and stress are those of its displacement, and its `assemble`."""
+        strained = self.strained(state)
+        strained = replace(strained, pressure=self.formulation.pressure_of(strained.strain))
+        assembly = self.assemble(strained, terms)
+        return replace(strained, stress=assembly.stress), assembly
 
     def assemble(self, state: State, terms: Terms) -> Assembly:
         """Gradient of the potential with the given terms at `state`.

@@ -121,6 +121,8 @@ def solve(
     relative, is_limited, reused = np.inf, False, 0
     for iteration in range(most + 1):
         assembly = system.assemble(state, terms)
+        if iteration and not options.carries:
+            state = replace(state, stress=assembly.stress)
         correction = system.constraints.correction(state.displacement, control.prescribed)
         last, relative = relative, _relative_residual(system, assembly)
         watch(iteration, relative)
@@ -128,8 +130,7 @@ def solve(
         sharper = ROUNDED if relative > KEPT * last else SHARPER
         is_near = relative < options.tolerance * (sharper if again and iteration < most else 1.0)
         if is_near and is_at_target and (iteration or not start.iterates):
-            consistent = system.state_at(state.displacement, state.factor)
-            exact = system.assemble(consistent, settled(terms))
+            consistent, exact = system.settled(state, settled(terms))
             relative = _relative_residual(system, exact)
             if relative < options.tolerance:
                 return Converged(consistent, exact, iteration - reused, relative, linearised)
@@ -144,7 +145,7 @@ def solve(
             before = _Iterate(state, terms, assembly, correction, again)
             state, linearised, is_limited = _iterate(before, control, relative > CONVEX_ABOVE, options.strain)
             terms = advanced(terms, before.positions(system), state.displacement - before.state.displacement)
-            state = state if options.carries else system.evaluated(state)
+            state = state if options.carries else system.strained(state)
     raise StepFailed(Reason("not_converged", {"iterations": most, "residual": relative}))
 
 
