@@ -27,7 +27,7 @@ from fem.equations.linear import (
 from geometry.arrays import Array
 
 #: orderings of PARDISO: minimum degree is as fast as nested dissection or faster for slender bodies, which have small
-#: separators, of up to about so many entries of the matrix (studies/solver.md)
+#: separators, of up to about so many entries of the upper triangle (studies/solver.md)
 MINIMUM_DEGREE, NESTED_DISSECTION = 0, 3
 LARGE = 2_100_000
 #: entries of the factor by minimum degree over those of the matrix beyond which nested dissection is taken

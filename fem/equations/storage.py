@@ -225,7 +225,8 @@ class TangentStorage:
 
     def analyse(self) -> None:
         """Have the solver choose the order of elimination for the factorized matrix, if it has another pattern now."""
-        made, (starts, columns) = self._reduction or self.pattern, self._analysed
+        pattern, (starts, columns) = self.pattern, self._analysed
+        made = self._reduction or pattern
         if not (np.array_equal(made.indptr, starts) and np.array_equal(made.indices, columns)):
             self._analysed = _NOTHING
             self._solver.analyse(made.indptr, made.indices)

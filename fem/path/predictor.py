@@ -115,7 +115,7 @@ class Predictor:
         """Tangent of the path, d(state)/d(value), at an equilibrium just computed, from the last tangent matrix."""
         if converged.linearised is None or (self.nonsmooth_start and point.constant_fraction < 1.0):
             return None
-        # at a limit point there is no such tangent; contact of a pair that the matrix does not hold yet makes it stale
+        # at a limit point there is no such tangent; another factorization since then makes it stale
         with suppress(SingularMatrix, StaleFactorization):
             return point.rate(converged.state, converged.assembly, converged.linearised, terms)
         return None

@@ -184,7 +184,7 @@ def _along(rod: Rod | None, shape: Any, forces: Array, axes: int) -> list[Array]
                 shape = arm.beside(shape, Load(tuple(force.tolist()))) if rows else shape
                 curve = _smooth(shape)
                 bent = math.degrees(side * shape.theta[-1]) if side else shape.bending_deg
-                is_lost = bool(shape.path.fall or (rod.moment_range and rod.moment_range.warning(shape)))
+                is_lost = bool(rod.moment_range and rod.moment_range.warning(shape))
                 rows.append(np.array([*curve.ravel(), bent, max(arm.used_by(shape), 2.0 * is_lost)]))
                 moved = math.dist(*(row[-2 - curve.shape[1] : -2] for row in (rows[-1], rows[max(0, len(rows) - 2)])))
                 rows[-1][-1] += FILLED * (moved > SNAP * rod.length)
