@@ -1,4 +1,4 @@
-"""Interrupted runs: killed, terminated by a signal, or stopped by a full disk, all in one folder."""
+"""Interrupted runs: killed, terminated by a signal, or stopped by a full disk."""
 
 import os
 import resource
@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,9 @@ validation: off
 mesh: {size: 8 mm, formulation: p2p0, grading: off, coarser: off}
 effects: {self_contact: off}
 """
+PRESSURES = ", ".join(f"{4.0 + 0.05 * step:g} kPa" for step in range(121))
+LONG = ("--set", f"pressures=[{PRESSURES}]", "--set", "mesh.size=4 mm")
+"""Options for minutes of work: a run is ended long before, however late that is on a busy machine."""
 PATIENCE = 300.0
 """Seconds in which what is waited for must happen."""
 
@@ -39,17 +43,24 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return directory
 
 
-def started(folder: Path, largest_file: int = resource.RLIM_INFINITY) -> subprocess.Popen[str]:
-    """A run that may write files of so many bytes at most, as on a disk that is full."""
-    command = [sys.executable, "-m", "pipeline", "run", str(folder / "short.yaml"), "--out", str(folder / "out")]
-    return subprocess.Popen(
-        [*command, "--jobs", "2"],
+@contextmanager
+def started(
+    folder: Path, out: str = "out", *options: str, largest_file: int = resource.RLIM_INFINITY
+) -> Iterator[subprocess.Popen[str]]:
+    """A run that may write files of so many bytes at most, as on a disk that is full; it ends with the block."""
+    command = [sys.executable, "-m", "pipeline", "run", str(folder / "short.yaml"), "--out", str(folder / out)]
+    with subprocess.Popen(
+        [*command, "--jobs", "2", *options],
         cwd=HERE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (largest_file, largest_file)),
-    )
+    ) as run:
+        try:
+            yield run
+        finally:
+            run.kill()
 
 
 def ended(run: subprocess.Popen[str]) -> tuple[int, str]:
@@ -80,12 +91,13 @@ def wait_for(condition: Callable[[], bool]) -> None:
         time.sleep(0.05)
 
 
-def states(folder: Path) -> Iterator[Path]:
-    yield from (folder / "out" / "states").glob("*.npz")
+def states(folder: Path, out: str = "out") -> Iterator[Path]:
+    yield from (folder / out / "states").glob("*.npz")
 
 
 def test_a_disk_without_room_for_a_state_is_named(folder: Path) -> None:
-    status, message = ended(started(folder, largest_file=20_000))
+    with started(folder, largest_file=20_000) as run:
+        status, message = ended(run)
     assert status == 1
     assert message.startswith("pneurod: ")
     assert "kPa.npz: File too large; allow larger files or give another --out" in message
@@ -94,39 +106,38 @@ def test_a_disk_without_room_for_a_state_is_named(folder: Path) -> None:
 
 
 def test_workers_end_with_a_main_process_that_is_killed(folder: Path) -> None:
-    run = started(folder)
-    until_reached(run)
-    orphans = workers(run)
-    assert len(orphans) == 2
-    run.kill()
-    run.communicate()
+    with started(folder, "no main", *LONG) as run:
+        until_reached(run)
+        orphans = workers(run)
+        assert len(orphans) == 2
     wait_for(lambda: not any(Path(f"/proc/{worker}").exists() for worker in orphans))
-    assert list(states(folder))
+    assert list(states(folder, "no main"))
 
 
 def test_a_worker_that_is_killed_ends_the_run_in_a_sentence(folder: Path) -> None:
-    run = started(folder)
-    until_reached(run)
-    os.kill(workers(run)[0], signal.SIGKILL)
-    status, message = ended(run)
+    with started(folder, "lost worker", *LONG) as run:
+        until_reached(run)
+        os.kill(workers(run)[0], signal.SIGKILL)
+        status, message = ended(run)
     assert status == 1
     assert "was ended from outside" in message
     assert message.count("\n") == 1
 
 
 def test_a_request_to_end_is_an_interrupt(folder: Path) -> None:
-    run = started(folder)
-    until_reached(run)
-    run.send_signal(signal.SIGTERM)
-    assert ended(run) == (
-        130,
-        "pneurod: interrupted; finished results are kept, and the same command continues from there\n",
-    )
+    with started(folder, "interrupted", *LONG) as run:
+        until_reached(run)
+        run.send_signal(signal.SIGTERM)
+        assert ended(run) == (
+            130,
+            "pneurod: interrupted; finished results are kept, and the same command continues from there\n",
+        )
 
 
 @pytest.mark.slow
 def test_without_room_for_the_report_all_else_is_there(folder: Path) -> None:
-    status, message = ended(started(folder, largest_file=1_200_000))
+    with started(folder, largest_file=1_200_000) as run:
+        status, message = ended(run)
     assert status == 1
     assert f"{folder / 'out' / 'report.html'}: File too large" in message
     assert message.count("\n") == 1
