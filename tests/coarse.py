@@ -19,7 +19,6 @@ def coarse_run(mesh_error: float | None = None) -> Run:
     run = read_results(COARSE)
     if mesh_error is None:
         return run
-    assert run.law is not None
     assert run.law.mesh_error is not None
     known = run.law.mesh_error
     columns: dict[str, Any] = {

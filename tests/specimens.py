@@ -111,7 +111,6 @@ def errors(truth: str, wart: str, count: int, top: float = 2.5) -> dict[str, flo
     the strain `top`."""
     law, s = TRUTHS[truth], np.linspace(1.2, 2.0, 17)
     best = judged(*WARTS[wart](lambda e: law.incompressible(1 + e), np.linspace(0.0, top, count))).laws[0]
-    assert best.holds is not None
     assert best.holds[1] >= 1.9
     ratios = {state: best.law.incompressible(s, of(s)) / law.incompressible(s, of(s)) for state, of in STATES.items()}
     return {state: float(np.abs(ratio - 1).max()) for state, ratio in ratios.items()}

@@ -11,7 +11,6 @@ import yaml
 
 from fem.elements import ELEMENTS
 from fem.materials import LAWS
-from pipeline.cli import app
 from pipeline.study.effects.rows import EffectRow
 from pipeline.values.parameters import RodParameters
 from pipeline.values.run import RodError, State
@@ -122,7 +121,11 @@ def test_pages_use_the_terms_of_the_field(page: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("file", "row"), [("experiments.json", State), ("validation.json", RodError), ("parameters.json", RodParameters)]
+    ("file", "row"),
+    [
+        *(("experiments.json", State), ("validation.json", RodError), ("parameters.json", RodParameters)),
+        ("effects_table.json", EffectRow),
+    ],
 )
 def test_every_key_of_a_result_file_is_documented(file: str, row: type) -> None:
     """Keys that end in _std or _95 are those of the number before."""
@@ -152,14 +155,6 @@ def test_every_term_of_the_glossary_is_used() -> None:
     assert [term for term in terms() if term.lower() not in words] == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_lines_outside_tables_are_short(page: Path) -> None:
-    """120 characters, and some more where a path became longer."""
-    lines = text_of(page).splitlines()
-    long = [line for line in lines if len(line) > 130 and not line.startswith(("|", "- ", "    ", "!["))]
-    assert long == []
-
-
 @pytest.mark.parametrize("name", LAWS)
 def test_the_page_on_materials_names_every_law(name: str) -> None:
     assert re.search(rf"\b{name}\b", text_of(HERE / "docs" / "materials.md"))
@@ -183,17 +178,6 @@ def test_the_citation_has_the_version_of_the_package() -> None:
     assert citation["version"] == project["version"]
     assert citation["license"] == project["license"]
     assert citation["references"][0]["title"].startswith("On the development of rod-based models")
-
-
-def test_one_subtitle_stands_everywhere() -> None:
-    project = tomllib.loads(text_of(HERE / "pyproject.toml"))["project"]
-    subtitle = project["description"]
-    texts = {name: text_of(HERE / name) for name in ("README.md", "mkdocs.yml", "CITATION.cff")}
-    assert subtitle.lower() in texts["CITATION.cff"].lower()
-    assert f"site_description: {subtitle}" in texts["mkdocs.yml"]
-    assert f"\n\n{subtitle}.\n" in texts["README.md"]
-    assert app.info.help == f"{subtitle}."
-    assert all(f"  - {word}" in texts["CITATION.cff"] for word in project["keywords"])
 
 
 def test_docstrings_stand_alone() -> None:

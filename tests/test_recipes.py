@@ -56,13 +56,6 @@ def test_what_is_kept_belongs_to_the_present_code(name: str) -> None:
     assert recipes.kept(name)["code"] == recipes.code_hash(recipes.read(name)), f"run docs/hooks/recipes.py {name}"
 
 
-def test_nothing_is_kept_of_recipes_that_are_gone() -> None:
-    assert sorted(path.name for path in recipes.KEPT.iterdir()) == sorted(
-        f"{name}.{ending}" for name in NAMES for ending in ("json", "png")
-    )
-    assert len(NAMES) >= 10
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_every_recipe_is_a_notebook_with_text_and_a_small_picture(name: str) -> None:
     notebook = recipes.notebook_of(name)

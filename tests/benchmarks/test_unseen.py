@@ -15,7 +15,6 @@ import pytest
 
 import fem
 from benchmarks.unseen.__main__ import main as campaigns_main
-from benchmarks.unseen.__main__ import sample, with_larger_elements
 from benchmarks.unseen.checks import ALLOWED, Check, checks_of, followed, work_difference
 from benchmarks.unseen.confirm import BY_VOLUME, UNEXPLAINED, end_of, judged, names_a_limit, second_law, turned
 from benchmarks.unseen.designs import COMPRESSIBLE, LOAD, LOWER, Drawn, drawn
@@ -28,12 +27,9 @@ from benchmarks.unseen.sorting import (
     TRACEBACK,
     WRONG,
     checks_in,
-    has_numbers,
     outcome,
-    rod_errors,
     states_of,
 )
-from benchmarks.unseen.table import largest_share, summary
 from benchmarks.unseen.work import ERROR, FAILED, RAN, REFUSED, SLOW, Work, lost, outcome_of, outcomes_of
 from fem.materials import LAWS
 from fem.path.diagnosis import near_limit_point
@@ -104,11 +100,6 @@ def test_every_design_is_accepted_and_its_pressures_are_scaled_to_it(seed: int, 
         assert loads[-1] == pytest.approx(design.load, rel=0.02)
     assert min(loads) == pytest.approx(LOAD[0], rel=0.1)
     assert max(loads) == pytest.approx(LOAD[1], rel=0.1)
-
-
-def test_only_what_a_user_must_give_is_given() -> None:
-    for design in drawn(2, COUNT):
-        assert set(design.document) == {"name", "geometry", "material", "pressures"}
 
 
 def state(experiment: str, pressure: float, reached: bool = True) -> dict[str, Any]:
@@ -205,13 +196,6 @@ def test_states_count_as_explained_only_by_a_confirmed_limit() -> None:
     assert states_of(record(checks=failed)).good == 0.0
 
 
-def test_numbers_are_parameters_or_a_law_or_an_early_refusal() -> None:
-    assert has_numbers(record())
-    assert has_numbers(record(five_at_kPa=[]))
-    assert not has_numbers(record(five_at_kPa=[], has_arm_law=False))
-    assert has_numbers(record(five_at_kPa=[], has_arm_law=False, ended=REFUSED))
-
-
 def test_a_prescribed_volume_confirms_a_limit_where_the_pressure_turns() -> None:
     said, agrees = turned([9.0, 10.1, 9.5], 10.0, "")
     assert said.startswith(BY_VOLUME)
@@ -285,36 +269,6 @@ def test_the_second_law_has_the_same_moduli(seed: int, tmp_path: Path) -> None:
         assert second.poisson_ratio == pytest.approx(first.poisson_ratio)
 
 
-def test_the_table_counts_designs_states_and_the_errors_of_the_rod() -> None:
-    records = [record(), record(rod=None, limits=[limit(True)], **MISSED)]
-    assert rod_errors(records) == {"shape": [0.004], "force": [0.05]}
-    lines = summary(records).splitlines()
-    for row in (
-        f"| {SOLVED} | 1 |",
-        f"| {LIMIT} | 1 |",
-        "| states solved | 8 of 10 |",
-        "| states beyond a confirmed limit | 2 |",
-        "| limits confirmed | 1 of 1 |",
-        "| designs with numbers or an early refusal | 2 of 2 |",
-        "| shape error of the rod: median, largest | 0.4 %, 0.4 % |",
-    ):
-        assert row in lines, row
-
-
-def test_larger_elements_are_those_of_the_program_times_a_factor(tmp_path: Path) -> None:
-    """And nothing else of a design changes."""
-    usual = drawn(2, 4)[3]
-    (larger,) = with_larger_elements([usual], 1.5)
-    sizes = []
-    for design in (usual, larger):
-        path = tmp_path / "design.yaml"
-        path.write_text(json.dumps(design.document))
-        sizes.append(load_config(path).mesh.size_mm)
-    assert sizes[1] == pytest.approx(1.5 * sizes[0], rel=0.01)
-    assert {**larger.document, "mesh": None} == {**usual.document, "mesh": None}
-    assert with_larger_elements([usual], 1.0) == [usual]
-
-
 def test_a_campaign_of_which_every_design_is_refused_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def status(*ended: str) -> int:
         def outcomes(works: Sequence[Work], jobs: int) -> Iterator[dict[str, Any]]:
@@ -326,18 +280,6 @@ def test_a_campaign_of_which_every_design_is_refused_fails(tmp_path: Path, monke
 
     assert status("refused", "refused") == 1
     assert status("refused", "ran") == 0
-
-
-def test_few_designs_say_little() -> None:
-    assert largest_share(0, 7) == pytest.approx(1.0 - 0.05 ** (1 / 7))
-    assert largest_share(0, 40) == pytest.approx(0.0722, abs=1e-4)
-    assert largest_share(3, 3) == 1.0
-
-
-def test_the_sample_for_the_finer_mesh_is_spread_over_the_designs() -> None:
-    assert sample(40, 8) == {0, 5, 10, 15, 20, 25, 30, 35}
-    assert sample(4, 8) == {0, 1, 2, 3}
-    assert sample(4, 0) == set()
 
 
 @pytest.mark.slow

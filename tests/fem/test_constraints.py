@@ -353,7 +353,6 @@ def dense(system: System, data: Array) -> Array:
     pattern, unknowns = system.storage.pattern, system.formulation.unknowns
     matrix = np.zeros((system.size + unknowns, system.size + unknowns))[: system.size, : system.size]
     reduction = system.storage._reduction
-    assert reduction is not None
     assert pattern.size == system.constraints.transformation.shape[0] + unknowns
     matrix += symmetric(reduction.indptr, reduction.indices, data)
     return matrix

@@ -1,18 +1,22 @@
-"""A force of constant direction on the end of the arm: its sum, its distribution, and the balance with the clamp."""
+"""A force of constant direction on the end, its balance with the clamp, and how far an end section has turned."""
+
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
-from fem import Experiment, LineForce, StVenantKirchhoff, follow
+from fem import Experiment, LineForce, Step, StVenantKirchhoff, follow
 from fem.discretisation import Discretisation
 from fem.supports import nodes_at
-from geometry import PneuNet
+from geometry import Body, PneuNet
+from geometry.arrays import Array
 
 FORCE = (0.01, 0.05)
 
 
 @pytest.fixture(scope="module")
-def short():
+def short() -> Body:
     return PneuNet(chambers=2).body(5.0)
 
 
@@ -75,3 +79,34 @@ def test_the_end_held_where_a_force_put_it_needs_that_force(short) -> None:
     step = follow(held.model(material, [], "p2p0"), [1.0]).steps[-1]
     assert held.end_force(step) == pytest.approx(force, rel=5e-3)
     assert held.clamp_force(step) == pytest.approx(-held.end_force(step), rel=1e-6)
+
+
+def bent(points: Array, angle: float, length: float) -> Array:
+    """(n, 3): sections stay plane and turn by angle (rad) over the length (mm), downwards."""
+    turned = angle * points[:, 0] / length
+    radius = length / angle + points[:, 1]
+    return np.column_stack([radius * np.sin(turned), radius * np.cos(turned) - length / angle, points[:, 2]])
+
+
+def turned(body: Body, formulation: str, angle: float, lift: float = 0.0) -> tuple[float, float]:
+    """Degrees, of the end section and of the end of the material curve.
+
+    lift: mm along y of the end face before the body is bent, which fades over the last tenth of the length.
+    """
+    space = Discretisation.of(body.mesh, formulation)
+    moved = space.points + np.outer((space.points[:, 0] / body.length) ** 40, (0.0, lift, 0.0))
+    step = SimpleNamespace(space=space, positions=bent(moved, np.radians(angle), body.length))
+    experiment, bends = Experiment.of("II", body, 0.0), cast("Step", step)
+    return float(np.degrees(experiment.end_rotation(bends))), float(np.degrees(experiment.centreline(bends).end_angle))
+
+
+@pytest.mark.parametrize("formulation", ["p2p0", "p1"])
+@pytest.mark.parametrize("angle", [1.0, 90.0, 200.0, 400.0])
+def test_an_arc_turns_its_end_by_its_angle(short: Body, formulation: str, angle: float) -> None:
+    assert turned(short, formulation, angle)[0] == pytest.approx(-angle, abs=1e-9)
+
+
+def test_an_end_that_is_lifted_turns_its_curve_and_not_its_section(short: Body) -> None:
+    section, curve = turned(short, "p2p0", 20.0, 0.3)
+    assert section == pytest.approx(-20.0, abs=1e-9)
+    assert curve > -15.0

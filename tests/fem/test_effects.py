@@ -6,22 +6,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem import ContactError, Effect, Gravity, Pressure, SelfContact, StrainLimitingLayer, StVenantKirchhoff
+from fem import ContactError, Effect, Gravity, Pressure, SelfContact, StVenantKirchhoff
 from fem.discretisation import Discretisation
-from fem.effects import facing_pairs
 from fem.effects.barrier import CONTINUATION, FacingTerm, continued_barrier
 from fem.effects.contact import BarrierTerm
-from fem.effects.effect import Blocks, LoadTerm, Term, advanced, at_constant_fraction
+from fem.effects.effect import Blocks, Term, at_constant_fraction
 from fem.effects.facing_pairs import FacingPairs
-from fem.supports import Line
 from geometry import Mesh
 from geometry.arrays import Array
 from tests.bodies import box, bricks, difference, fork, hollow_box, named
 
 LAW = StVenantKirchhoff(E=1.2, nu=0.4)
 GAP = 0.4
-FACE = np.array([[0, 1, 2]])
-LINE = Line(np.eye(3))
 
 
 def times(blocks: Blocks, dx: Array) -> Array:
@@ -122,8 +118,6 @@ def test_ramped_loads_follow_the_load_factor_and_constant_ones_their_own_fractio
     for make in (lambda ramp: Pressure("cavity", 0.2, ramp), lambda ramp: Gravity(1e-9, ramp=ramp)):
         ramped, space = bound(hollow_box(half=False), make(True))
         constant, _ = bound(hollow_box(half=False), make(False))
-        assert isinstance(ramped, LoadTerm)
-        assert isinstance(constant, LoadTerm)
         x = space.points + shaken(space, 0.05, seed=1)
         np.testing.assert_allclose(
             gradient(constant.with_constant_fraction(0.6), x, 0.1), gradient(ramped, x, 0.6), atol=1e-18
@@ -251,21 +245,6 @@ def test_a_face_that_faces_nothing_has_no_pairs() -> None:
     assert FacingPairs.of(space.surface("above"), space.points).nodes.size == 0
 
 
-@pytest.mark.parametrize("name", ["pressure", "layer"])
-def test_terms_give_the_same_node_pairs_on_each_call(name: str) -> None:
-    """The same arrays, so that their position in the matrix is looked up once."""
-    if name == "layer":
-        mesh = box((2, 2, 2), (1.0, 1.0, 1.0))
-        term, space = bound(mesh, StrainLimitingLayer(mesh.plane(1, 0.5), 0.1, 100.0, 0.3))
-    else:
-        term, space = CASES[name]("p2p0")
-    x = space.points + shaken(space, 0.01, seed=1)
-    first = term.blocks(space.points, 1.0, convex=False)
-    later = advanced((term,), space.points, x - space.points)[0].blocks(x, 0.5, convex=True)
-    assert first.rows is later.rows
-    assert first.columns is later.columns
-
-
 def test_without_an_exact_barrier_the_gaps_alone_judge_and_nothing_is_stiffer_in_the_end() -> None:
     term, space = facing()
     term = replace(term, exact=None)
@@ -275,15 +254,6 @@ def test_without_an_exact_barrier_the_gaps_alone_judge_and_nothing_is_stiffer_in
     assert term.violation(crossed).code == "walls_cross"
     stiffest = replace(term, stiffenings=0)
     assert stiffest.tightened(crossed) is stiffest
-
-
-def test_two_pressures_are_two_terms() -> None:
-    """Terms hold arrays and are distinguished by identity."""
-    mesh = hollow_box(half=False)
-    space = Discretisation.of(mesh, "p2p0")
-    terms = tuple(Pressure("cavity", value).bind(space, LAW) for value in (0.1, 0.2))
-    assert terms[1] in terms
-    assert terms[0] != terms[1]
 
 
 def test_walls_of_a_cavity_see_each_other_across_it() -> None:
@@ -306,19 +276,3 @@ def test_contact_that_starts_inactive_on_faces_that_face_nothing_is_never_activa
     term = SelfContact("above", starts_inactive=True).bind(space, LAW)
     assert not term.must_activate(space.points)
     assert term.gap(space.points) == np.inf
-
-
-def test_pairs_of_one_surface_are_searched_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(facing_pairs, "_kept", {})
-    space = Discretisation.of(fork(GAP), "p2p0")
-    wider = Discretisation.of(fork(2 * GAP), "p2p0")
-    first = FacingPairs.of(space.surface("prongs"), space.points)
-    again = Discretisation.of(fork(GAP), "p2p0")
-    assert FacingPairs.of(again.surface("prongs"), again.points) is first
-    other = FacingPairs.of(wider.surface("prongs"), wider.points)
-    assert other.gaps(wider.points).min() > 1.5 * first.gaps(space.points).min()
-    for count in range(facing_pairs.KEPT):
-        moved = space.points + 0.1 * (1 + count)
-        FacingPairs.of(space.surface("prongs"), moved)
-    assert len(facing_pairs._kept) == facing_pairs.KEPT
-    np.testing.assert_array_equal(FacingPairs.of(space.surface("prongs"), space.points).nodes, first.nodes)

@@ -1,16 +1,21 @@
-"""The path near a limit point: where it is announced, what is a jump, which increments are tried."""
+"""The path near a limit point: announcement, jumps, increments, how long one is tried, and from which start."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from fem import Fixed, Model, StVenantKirchhoff, follow
+from fem import Fixed, Model, Pressure, StVenantKirchhoff, follow
 from fem.equations.state import State
+from fem.kernels.element import internal_force
+from fem.path.control import LoadControl
+from fem.path.effort import ITERATIONS_NEAR_LIMIT, MAX_UNSTABLE, MAX_UNSTABLE_RETRY, RETRY_ITERATIONS, Effort, effort_of
 from fem.path.increments import LIMIT_ACCURACY, MAX_CUTBACKS, MAX_INCREMENTS, Increments
 from fem.path.limit import announced_limit, way_between
-from fem.path.predictor import PathPoint, extrapolate
-from tests.bodies import box
+from fem.path.predictor import MAX_PREDICTOR_STRAIN, PathPoint, Predictor, extrapolate
+from tests.bodies import box, hollow_box
 from tests.loads import Traction
 
 LIMIT = 3.0
@@ -48,24 +53,19 @@ def test_no_limit_is_announced_where_the_rates_grow_but_not_towards_a_fold() -> 
 def test_a_fold_is_extrapolated_exactly() -> None:
     for regular in (0.0, 0.5):
         ahead = extrapolate(fold(1.0, regular), fold(2.0, regular), 2.9, LIMIT)
-        assert ahead is not None
         assert ahead.displacement == pytest.approx(fold(2.9, regular).state.displacement)
         beyond = extrapolate(fold(1.0, regular), fold(2.0, regular), 3.1, LIMIT)
-        assert beyond is not None
         assert np.isfinite(beyond.displacement).all()
 
 
 def test_a_way_longer_than_its_rates_is_a_jump() -> None:
     for before, last in ((line(1.0), line(2.0)), (fold(1.0), fold(2.9))):
         way = way_between(before, last)
-        assert way is not None
         assert not way.is_jump
     jump = way_between(line(1.0), line(2.0, offset=0.5))
-    assert jump is not None
     assert jump.is_jump
     assert jump.length == pytest.approx(1.5)
     straight = way_between(line(1.0), line(2.0))
-    assert straight is not None
     assert straight.is_straight
     assert way_between(replace(line(1.0), rate=None), line(2.0)) is None
 
@@ -169,3 +169,106 @@ def test_a_bifurcation_is_passed_where_the_path_goes_straight_on() -> None:
     assert unstable.negative_pivots == 2
     assert unstable.cutbacks == 0
     assert unstable.instability[0].values["directions"] == 2
+
+
+AT_REST = SimpleNamespace(value=0.0, touching=False)
+
+
+def effort(
+    *,
+    cutbacks: int = 0,
+    small: bool = False,
+    nears: bool = False,
+    stable: bool = True,
+    load: bool = True,
+    from_rest: bool = False,
+    **last: Any,
+) -> Effort:
+    """Of the increment to 1 from the last point, by default at 0.5."""
+    increments: Any = SimpleNamespace(cutbacks=cutbacks, is_small=small, nears_limit=nears, passes_limit=False)
+    points: Any = [AT_REST]
+    if not from_rest:
+        points.append(SimpleNamespace(**{"value": 0.5, "touching": False, **last}))
+    control: Any = SimpleNamespace(value=1.0, gives_load=load)
+    return effort_of(control, increments, points, stable)
+
+
+def test_the_first_increment_to_a_target_may_take_long() -> None:
+    assert effort() == Effort(None, MAX_UNSTABLE)
+    assert effort(load=False) == effort(stable=False) == Effort(None)
+
+
+def test_an_increment_much_longer_than_the_last_one_is_given_up_early() -> None:
+    assert effort(value=0.1) == Effort(None, MAX_UNSTABLE_RETRY, True)
+
+
+@pytest.mark.parametrize("touching", [False, True])
+def test_a_smaller_increment_may_begin_with_an_indefinite_tangent(touching: bool) -> None:
+    """As that of an arm that turns far under its weight; contact is not needed for it."""
+    assert effort(cutbacks=1, touching=touching) == Effort(RETRY_ITERATIONS, MAX_UNSTABLE_RETRY, True)
+    assert effort(cutbacks=1, from_rest=True) == Effort(RETRY_ITERATIONS, 0, True)
+    assert effort(cutbacks=1, small=True) == Effort(RETRY_ITERATIONS, MAX_UNSTABLE)
+
+
+def test_near_a_limit_only_contact_excuses_an_indefinite_tangent() -> None:
+    for touching, unstable in ((False, 0), (True, MAX_UNSTABLE_RETRY)):
+        near = effort(cutbacks=1, nears=True, touching=touching)
+        assert near == Effort(ITERATIONS_NEAR_LIMIT, unstable, True, True)
+    assert effort(cutbacks=1, nears=True, stable=False).unstable is None
+
+
+def whole_state(value: float) -> State:
+    return State(value, *(np.full(3, value) for _ in range(4)))
+
+
+def point(at: float, function: np.polynomial.Polynomial, rate: bool) -> PathPoint:
+    return PathPoint(at, 1.0, whole_state(function(at)), rate=whole_state(function.deriv()(at)) if rate else None)
+
+
+CUBIC = np.polynomial.Polynomial([0.3, -1.2, 0.7, 0.4])
+
+
+@pytest.mark.parametrize(
+    ("degree", "rates"), [(1, (False, False)), (1, (True, False)), (2, (False, True)), (3, (True, True))]
+)
+def test_polynomials_are_extrapolated_exactly(degree: int, rates: tuple[bool, bool]) -> None:
+    function = np.polynomial.Polynomial(CUBIC.coef[: degree + 1])
+    extrapolated = extrapolate(point(1.0, function, rates[0]), point(3.0, function, rates[1]), 6.5)
+    for values in (
+        extrapolated.factor,
+        extrapolated.displacement,
+        extrapolated.pressure,
+        extrapolated.strain,
+        extrapolated.stress,
+    ):
+        np.testing.assert_allclose(values, function(6.5), rtol=1e-12)
+
+
+def test_a_single_point_is_extrapolated_along_its_rate() -> None:
+    function = np.polynomial.Polynomial([2.0, 3.0])
+    extrapolated = extrapolate(None, point(1.0, function, True), 1.5)
+    np.testing.assert_allclose(extrapolated.displacement, function(1.5))
+    assert extrapolate(None, point(1.0, function, False), 1.5) is None
+
+
+@pytest.mark.parametrize("formulation", ["p2p0", "mixed"])
+def test_the_first_start_strains_little_under_a_stress_that_balances_the_whole_load(formulation: str) -> None:
+    law, supports = StVenantKirchhoff(1.2, 0.49), [Fixed("clamp"), Fixed("sym", "z")]
+    model = Model(hollow_box(half=True, parts=2), law, supports, [Pressure("cavity", 1.0)], formulation)
+    system = model.system()
+    rest = PathPoint(0.0, 0.0, system.rest_state(), terms=system.terms)
+    control = LoadControl.of(system)
+    balanced, last = Predictor(rest, control).starts([rest], control.target(1.0, 1.0), system.terms)
+    assert balanced.trial
+    assert not last.trial
+    start = balanced.state
+    np.testing.assert_array_equal(last.state.displacement, start.displacement)
+    assert last.state.factor < start.factor == 1.0
+    assert np.abs(start.strain).max() == pytest.approx(MAX_PREDICTOR_STRAIN)
+    assert np.abs(start.stress).max() > 2 * np.abs(law.shear_modulus * start.strain).max()
+    loads = system.loads(np.zeros_like(start.displacement), 1.0, system.terms)
+    forces, space = np.zeros_like(loads), system.space
+    internal_force(space.arrays, np.zeros_like(loads), start.stress, forces)
+    assert np.linalg.norm(system.constraints.reduce(forces + loads)) < 1e-9 * np.linalg.norm(
+        system.constraints.reduce(loads)
+    )

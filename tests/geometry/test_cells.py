@@ -28,7 +28,6 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_pieces_of_a_step_body_are_those_of_the_family(drawn: Path) -> None:
     own = design_of(drawn)
-    assert own.cells is not None
     assert (own.cells.first, own.cells.half_pitch, own.cells.half_cells, own.pitch) == pytest.approx((6, 5, 4, 10))
     assert own.body(5.0).mesh.volume == pytest.approx(NET.solid_volume / 2, rel=1e-9)
     assert own.body(5.0).mesh.enclosed_volume("cavity") == pytest.approx(NET.cavity_volume / 2, rel=1e-9)
@@ -48,7 +47,6 @@ def test_the_far_end_may_be_another_one(tmp_path: Path) -> None:
     net = PneuNet(chambers=4)
     path = pneunet_as_step(tmp_path / "tip.step", net, knob=((33, 17, -2), (35, 19, 2)))
     own = design_of(path, tip=net.length)
-    assert own.cells is not None
     assert own.cells.half_cells == 4  # the last chamber with the half gap before it belongs to the far end
     end, far, body = end_piece(own, 1, 6.0).mesh, tip_piece(own, 1, 6.0).mesh, own.body(6.0).mesh
     cell = half_cell(own, 6.0).mesh
@@ -60,7 +58,6 @@ def test_the_far_end_may_be_another_one(tmp_path: Path) -> None:
 
 def test_planes_in_either_order_and_a_body_that_is_meshed_on_both_sides(drawn: Path) -> None:
     own = design_of(drawn, CellPlanes(21, 16), symmetric=False)
-    assert own.cells is not None
     assert (own.cells.first, own.cells.half_cells) == pytest.approx((11, 2))
     piece = end_piece(own, 1, 6.0)
     assert not piece.half
@@ -106,7 +103,6 @@ LONG = PneuNet(chambers=5)
 def test_equal_chambers_are_the_cells_unless_a_length_is_given(tmp_path: Path) -> None:
     path = str(pneunet_as_step(tmp_path / "net.step", LONG))
     own = CadFile(path, LONG.curve_y)
-    assert own.cells is not None
     assert (own.cells.first, own.cells.half_pitch, own.cells.half_cells) == pytest.approx((6, 5, 8), abs=1e-9)
     assert half_cell(own, 5.0).mesh.volume == pytest.approx(half_cell(LONG, 5.0).mesh.volume, rel=1e-9)
     turned = CadFile(path, LONG.curve_y, clamp=LONG.length, tip=0.0)
@@ -148,7 +144,6 @@ def test_an_arm_with_one_section_has_cells_and_one_with_a_rib_has_none(tmp_path:
         occ.cut(body, [box(occ, (3, 2, -4), (77, 8, 4))])
 
     own = CadFile(str(save(tmp_path / "bar.step", draw)), 1.0)
-    assert own.cells is not None
     assert own.cells.half_cells == 16
     assert own.body(5.0).mesh.volume == pytest.approx((80 * 10 * 12 - 74 * 6 * 8) / 2, rel=1e-9)
     ribbed = CadFile(str(save(tmp_path / "rib.step", lambda occ: draw(occ, (41, 43)))), 1.0)
@@ -184,7 +179,6 @@ def test_a_lane_of_chambers_beside_one_without(tmp_path: Path) -> None:
 
     path = str(save(tmp_path / "lanes.step", draw))
     own = CadFile(path, 1.0, air={"chambers": (7.0, 5.0, 0.0), "plain": (40.0, 12.0, 0.0)})
-    assert own.cells is not None
     assert (own.cells.first, own.cells.half_pitch, own.cells.half_cells) == pytest.approx((7, 5, 12), abs=1e-6)
     assert own.pitch == pytest.approx(10.0)
     assert set(half_cell(own, 5.0).mesh.faces) >= {"chambers", "plain"}

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from geometry import (
-    FAMILIES,
     BisectedCircle,
     Body,
     Design,
@@ -19,7 +18,6 @@ from geometry import (
     Semicircular,
     SemicircularSingle,
 )
-from geometry.families.design import SymmetricDesign
 from tests.bodies import cell_boundaries, inside
 from tests.pieces import half_cell, tip_piece
 
@@ -198,16 +196,3 @@ def test_meshing_is_silent_and_works_in_threads(capfd: pytest.CaptureFixture[str
     assert len({body.mesh.volume for body in bodies}) == 1
     assert len(bodies) == 3
     assert capfd.readouterr() == ("", "")
-
-
-def test_a_family_defines_ten_members() -> None:
-    members = {"length", "extent", "curve_y", "pitch", "cell_count", "drawing"}
-    members |= {"solid_volume", "cavity_volumes", "thinnest_wall", "_impossible"}
-    assert SymmetricDesign.__abstractmethods__ == members
-
-
-def test_families_are_listed_by_name() -> None:
-    names = {PneuNet: "pneunet", Semicircular: "semicircular", BisectedCircle: "bisected_circle"}
-    names |= {SemicircularSingle: "semicircular_single", Rectangular: "rectangular"}
-    assert {design: name for name, design in FAMILIES.items()} == names
-    assert all(design().length == pytest.approx(112) for design in FAMILIES.values())

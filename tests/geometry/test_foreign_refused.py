@@ -1,5 +1,6 @@
 """What a body from a file must not be taken for: each is refused, or read for what it is, in one sentence."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -8,9 +9,7 @@ import meshio
 import numpy as np
 import pytest
 
-from geometry import DesignError, Mesh, MeshFile
-from geometry.files.cad.cad_file import CadFile
-from geometry.files.surface.surface_file import SurfaceFile
+from geometry import CadFile, Design, DesignError, Mesh, MeshError, MeshFile, SurfaceFile
 from pipeline.config.load import load_config
 from pipeline.simulate.simulate import experiments_of
 from tests.foreign_bodies import (
@@ -226,3 +225,34 @@ def test_abaqus_files_with_blanks_and_comments(folder: Path) -> None:
     whole.write_text(f'{nodes} *INCLUDE, INPUT="the elements.inp"\n')
     with pytest.raises(DesignError, match=r"has lines in another file \(the elements.inp\)"):
         MeshFile(str(whole), 1.5)
+
+
+def round_tip(occ: Any) -> Any:
+    """A round bar of radius 7 mm that ends in half a sphere."""
+    bar, tip = (3, occ.addCylinder(0, 0, 0, 50, 0, 0, 7)), (3, occ.addSphere(50, 0, 0, 7))
+    return occ.cut(occ.fuse([bar], [tip])[0], [(3, occ.addCylinder(4, 1, 0, 44, 0, 0, 4.5))])[0]
+
+
+KINDS: dict[str, tuple[Callable[..., Design], Callable[[Path, Any], Path]]] = {
+    "stl": (SurfaceFile, lambda path, draw: write_surface(path, draw, 50)),
+    "vtu": (MeshFile, lambda path, draw: write_mesh(path, *meshed(draw, 4.0))),
+    "step": (CadFile, save),
+}
+
+
+@pytest.mark.parametrize("suffix", KINDS)
+def test_an_end_without_a_flat_face_is_named_whatever_the_curve(suffix: str, tmp_path: Path) -> None:
+    kind, write = KINDS[suffix]
+    path = write(tmp_path / f"round.{suffix}", round_tip)
+    with pytest.raises(DesignError, match=r"tip: the body has no flat face .*cut a rounded end off"):
+        kind(str(path), 1.0).body(4.0)
+
+
+def test_a_height_at_which_elements_would_be_flat_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: object) -> Mesh:
+        raise MeshError("tetrahedron 7 of the mesh is flat")
+
+    monkeypatch.setattr("geometry.files.mesh.placing.with_curve", fails)
+    path = str(write_mesh(tmp_path / "bar.vtk", *meshed(bar, 4.0)))
+    with pytest.raises(DesignError, match=r"curve: the elements around the line y = .* because tetrahedron 7"):
+        MeshFile(path, 1.0)

@@ -93,13 +93,6 @@ def test_finer_grading_follows_the_size() -> None:
     assert fine == pytest.approx(coarse / 2, rel=0.25)
 
 
-def test_grading_off_is_the_default() -> None:
-    design = PneuNet(chambers=2)
-    plain, off = design.body(5).mesh, design.body(5, GRADINGS["off"]).mesh
-    assert np.array_equal(plain.points, off.points)
-    assert np.array_equal(plain.tets, off.tets)
-
-
 def test_a_cad_file_is_graded_too(configs: Path) -> None:
     design = load_config(configs / "finger.yaml").design
     body, plain = design.body(4, GRADINGS["edges"]), design.body(4)

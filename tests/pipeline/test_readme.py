@@ -12,9 +12,11 @@ import pytest
 from pipeline.cli import app
 from pipeline.store.provenance import required
 
+LONGEST = 25  #: words of a sentence
+
+
 HERE = Path(__file__).resolve().parent.parent.parent
 TEXT = (HERE / "README.md").read_text(encoding="utf-8")
-LONGEST = 25  #: words of a sentence
 
 
 def sentences() -> list[str]:

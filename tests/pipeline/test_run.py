@@ -69,17 +69,6 @@ def test_a_second_mesh_is_a_stage_where_there_is_one(
     assert ("coarser mesh" in stages.seconds) is counted
 
 
-def test_a_second_mesh_is_counted_from_when_it_is_needed(config_file: Path) -> None:
-    config = load_config(config_file, ("mesh.coarser=1.5", "law=both", "accuracy=1%"))
-    listener = Mock()
-    stages = Stages(listener, stage_names(config))  # the law on two meshes tells the error of the arm's
-    stages.add("coarser mesh", before="rod")
-    for name in ("coarser mesh", "rod"):
-        with stages.timed(name):
-            pass
-    assert [call.args[0] for call in listener.stage.mock_calls] == ["coarser mesh (7 of 11)", "rod (8 of 11)"]
-
-
 def test_parameters_are_those_of_a_rod(results: Path) -> None:
     parameters = read(results, "parameters.json")
     assert parameters["pressures_kPa"] == [8.0, 16.0]

@@ -1,6 +1,8 @@
-"""Plots of a run as figures of plotly, and what a notebook shows of results."""
+"""What results offer beside their tables: plots, files for other programs, the mass of an arm with its law alone."""
 
+import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -47,14 +49,23 @@ def test_what_was_not_reached_is_named(results: pneurod.Results) -> None:
         results.plot.shape("IV")
 
 
-def test_results_are_short_where_they_are_shown(results: pneurod.Results) -> None:
-    assert str(results) == "\n".join(results.verdict.lines)
-    assert repr(results).startswith("Results('")
-    assert len(repr(results.arm_law)) < 120
-    with pytest.warns(pneurod.RodWarning):
-        rod = results.rod(20)
-    assert len(repr(rod)) < 400
-    shown = results._repr_html_()
-    assert "bends by 72°, 140°" in shown
-    assert "alpha2_N_mm2" in shown
-    assert "--accuracy 1%" in shown
+def test_a_rod_is_exported_from_python(tmp_path: Path) -> None:
+    results = pneurod.read_results(COARSE)
+    [path] = results.export("pyelastica", tmp_path)
+    assert path.parent == tmp_path
+    assert "def simulate(" in path.read_text(encoding="utf-8")
+    with pytest.raises(pneurod.InputError, match=r"exists; give another out, or force=True to replace it$"):
+        results.export("pyelastica", tmp_path)
+    assert results.export("pyelastica", tmp_path, force=True) == (path,)
+    with pytest.raises(pneurod.InputError, match=r"^to=gazebo: allowed are csv, json, mujoco, "):
+        results.export("gazebo", tmp_path)
+
+
+def test_the_mass_of_an_arm_with_its_own_law_alone_is_that_of_the_law(tmp_path: Path) -> None:
+    folder = tmp_path / "arm"
+    shutil.copytree(COARSE, folder)
+    whole = pneurod.read_results(folder).mass_g
+    (folder / "parameters.json").unlink()
+    results = pneurod.read_results(folder)
+    assert results.arm_law.mass is not None
+    assert results.mass_g == pytest.approx(whole, rel=0.02)

@@ -120,18 +120,15 @@ def bent(p: list[float]) -> dict[str, Quantity]:
 def test_the_range_ends_where_one_quantity_bends() -> None:
     p = [5.0, 10.0, 17.0, 24.0, 31.0, 37.0]
     linear = linear_range(p, bent(p))
-    assert linear is not None
     assert (linear.low, linear.high) == (17.0, 37.0)
     assert linear.tested
     assert linear.lines["bent"].slope == pytest.approx(10.0)
     full = linear_range(p, {"straight": bent(p)["straight"]})
-    assert full is not None
     assert (full.low, full.high) == (5.0, 37.0)
 
 
 def test_two_pressures_are_a_range_that_was_not_tested() -> None:
     linear = linear_range([17.0, 37.0], bent([17.0, 37.0]))
-    assert linear is not None
     assert not linear.tested
     assert linear_range([17.0], bent([17.0])) is None
     zigzag = [10.0, 20.0, 30.0, 40.0]

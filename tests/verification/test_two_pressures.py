@@ -30,7 +30,6 @@ def errors(law: PairLaw, results: Run, pair: tuple[float, float]) -> tuple[float
     arm hardly bends, and its forces are hundredths of that."""
     curve = results.curve("II", max(pair))
     [held] = [state for state in results.states if state.experiment == "III" and state.pressure_kPa == max(pair)]
-    assert curve is not None
     rod = law.at(pair)
     scale = float(np.interp(0.0, rod.section.moment, 1.0 / rod.section.kappa_slope)) / law.length**2
     away = np.linalg.norm(np.subtract(rod.solve().end, curve.tip_mm)) / law.length
@@ -46,7 +45,6 @@ def test_the_law_over_two_pressures_is_that_of_the_whole_arm(tmp_path: Path) -> 
     assert pairs is not None
     made = run_pairs(pairs, tmp_path / "out", 1, False, Silent())
     made.raise_if_failed()
-    assert made.law is not None
     unused = (30.0, 5.0)
     fractions = "effects.pressure.cavities={cavity: 1, cavity_lower: 0.16666666666666667}"
     alone = run(

@@ -18,7 +18,6 @@ from geometry.families import BisectedCircle, PneuNet, Semicircular, Semicircula
 from geometry.families.design import SymmetricDesign
 from geometry.grading import OFF
 from geometry.meshing.mirror import Repetition
-from geometry.meshing.moving import Movement
 from pipeline.law.piece.measure import CellPoint, cell_without_moment
 from tests.quotients import quotient
 
@@ -77,7 +76,6 @@ def test_by_dimensions(case: str) -> None:
     assert inflated(piece, pressure, angle).touches == (case == "contact")
     for name in names:
         movement = movements[name]
-        assert isinstance(movement, Movement)
         velocity = piece.space.positions_on(movement.moved(pieces, STEP).half_cell()) - piece.space.points
         change = DesignChange.of_dimension(piece, velocity / STEP, movement.edge - movement.middle)
         less, more = (
@@ -151,7 +149,6 @@ def test_a_layer_follows_the_body() -> None:
     design = PneuNet()
     pieces = design.repetition(4.0, OFF)
     movement = design.movements(pieces)["width"]
-    assert isinstance(movement, Movement)
     piece = made(design, pieces)
     velocity = piece.space.positions_on(movement.moved(pieces, STEP).half_cell()) - piece.space.points
     change = DesignChange.of_dimension(piece, velocity / STEP, 0.0)
@@ -188,7 +185,6 @@ def test_a_wound_body(name: str) -> None:
 
     pieces = design.repetition(6.0, OFF)
     piece, movement, step = made(design, pieces), design.movements(pieces)["radius"], {"E": 0.1}.get(name, STEP)
-    assert isinstance(movement, Movement)
     if name == "radius":
         velocity = piece.space.positions_on(movement.moved(pieces, STEP).half_cell()) - piece.space.points
         changes = [DesignChange.of_dimension(piece, velocity / STEP, 0.0)]
@@ -208,7 +204,6 @@ def test_largest_stretch_without_moment(name: str) -> None:
     design = PneuNet()
     pieces = design.repetition(4.0, OFF)
     movement = design.movements(pieces)[name]
-    assert isinstance(movement, Movement)
 
     def solved(step: float) -> tuple[BendingPiece, CellPoint]:
         changed = design.with_dimension(name, design.dimensions[name] + step)

@@ -58,20 +58,6 @@ def test_the_help_of_a_command_is_shown_in_full(name: str) -> None:
     assert [text for text in texts if " ".join(text.split()) not in words] == []
 
 
-@pytest.mark.parametrize(
-    ("name", "default"),
-    [
-        *(("run", "results/NAME"), ("mesh", "results/NAME_mesh"), ("effects", "results/NAME_effects")),
-        *(("accuracy", "results/NAME_accuracy"), ("cell", "results/NAME_cell"), ("sweep", "results/NAME")),
-        *(("run", "number of cores, at most 3"), ("effects", "number of cores, at most 2"), ("cell", "1")),
-        *(("accuracy", "number of cores, at most 2"), ("sweep", "number of cores")),
-        *(("export", "DIR"), ("export", "all pressures of the rod"), ("init", "my_FAMILY.yaml")),
-    ],
-)
-def test_the_help_shows_the_defaults_that_the_program_finds(name: str, default: str) -> None:
-    assert f"(default: {default})" in " ".join(done(name, "--help").split())
-
-
 def test_run_passes_its_options_on(replace_run: Callable[[Task], None], coarse: str, tmp_path: Path) -> None:
     calls = []
 

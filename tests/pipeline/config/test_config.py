@@ -9,10 +9,9 @@ from pathlib import Path
 import pytest
 
 import fem
-from fem.elements import ELEMENTS
 from fem.materials import LAWS, Constant
 from geometry import FAMILIES, PneuNet
-from pipeline.config.config import Config, End, IdentificationSettings, Validation
+from pipeline.config.config import End, IdentificationSettings, Validation
 from pipeline.config.effects import EFFECTS
 from pipeline.config.load import load_config
 from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
@@ -69,7 +68,6 @@ def test_the_record_has_the_keys_of_the_yaml_with_their_units(configs: Path) -> 
     assert record["end"] == {"x_mm": None, "y_mm": 0.0, "force_N": [0.0, 0.0]}
     assert record["mesh"] == {"size_mm": 4.0, "formulation": "p2p0", "coarser": None, "grading": "off"}
     effects = record["effects"]
-    assert isinstance(effects, dict)
     assert list(effects) == list(EFFECTS)
     assert effects["self_contact"] == {"state": "on", "dhat_mm": 0.1, "faces": None}
     assert effects["gravity"] == {"state": "auto", "acceleration_mm_s2": [0.0, -9810.0, 0.0]}
@@ -201,12 +199,6 @@ def test_a_rubber_law_takes_nu_instead_of_kappa(configs: Path) -> None:
         assert neither.material.built().poisson_ratio == pytest.approx(0.495, rel=1e-12)
 
 
-def test_only_gravity_needs_the_density(configs: Path) -> None:
-    material = "material={law: svk, E: 1.2 MPa, nu: 0.495}"
-    config = load_config(configs / "pneunet_coarse.yaml", [material])
-    assert config.material.density_tonne_mm3 is None
-
-
 @pytest.mark.parametrize(
     ("value", "state"), [("on", "on"), ("off", "off"), ("yes", "on"), ("no", "off"), ("auto", "auto"), ("'on'", "on")]
 )
@@ -240,12 +232,6 @@ def test_overrides_replace_values_before_the_check(written: Path) -> None:
 )
 def test_units_are_converted(text: str, dimension: Dimension, number: float) -> None:
     assert convert(text, dimension) == number
-
-
-@pytest.mark.parametrize("name", ELEMENTS)
-def test_a_configuration_takes_every_element(configs: Path, name: str) -> None:
-    config = load_config(configs / "pneunet_coarse.yaml", [f"mesh.formulation={name}"])
-    assert config.mesh.formulation == name
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -319,17 +305,6 @@ def test_a_region_has_a_material_of_its_own(configs: Path) -> None:
     assert material.body == plain.material.built()
 
 
-def test_shipped_configurations_say_where_numbers_come_from(configs: Path) -> None:
-    files = sorted(configs.glob("*.yaml"))
-    assert len(files) >= 2
-    for path in files:
-        assert isinstance(load_config(path), Config)
-        for line in path.read_text(encoding="utf-8").splitlines():
-            value = line.partition("#")[0]
-            if any(character.isdigit() for character in value):
-                assert "paper" in line or "choice" in line, f"{path.name}: {line}"
-
-
 def test_a_load_between_the_pressures_with_the_end_elsewhere_is_part_of_every_run(configs: Path) -> None:
     coarse = configs / "pneunet_coarse.yaml"
     assert load_config(coarse).validation == Validation((27.0,), (11.2,), (), with_experiments=False)
@@ -398,13 +373,6 @@ def test_a_given_d_is_read(configs: Path) -> None:
     assert given.identification.d_mm == pytest.approx(14.0)
 
 
-def test_a_run_makes_both_laws_unless_the_configuration_names_one(configs: Path) -> None:
-    coarse = configs / "pneunet_coarse.yaml"
-    assert load_config(coarse).law == "both"
-    assert load_config(coarse, ["law=five"]).law == "five"
-    assert load_config(coarse, ["law=cell"]).law == "cell"
-
-
 def test_validation_loads_are_read(configs: Path) -> None:
     coarse = configs / "pneunet_coarse.yaml"
     config = load_config(coarse, ["validation={end_y: [1 cm, -10 mm], forces: [[0 N, 0.05 N]]}"])
@@ -419,3 +387,16 @@ def test_a_number_with_an_exponent_needs_no_decimal_point(written: Path, number:
     with written.open("a", encoding="utf-8") as file:
         file.write(f"\nnewton: {{tolerance: {number}}}\n")
     assert load_config(written).newton.tolerance == 1e-6
+
+
+HERE = Path(__file__).parent.parent.parent
+COARSE = HERE.parent / "configs" / "pneunet_coarse.yaml"
+
+
+def test_parameters_of_an_effect_go_beside_its_state() -> None:
+    """The file has `self_contact: auto`."""
+    effect = load_config(COARSE, ["effects.self_contact.dhat=0.1 mm"]).effects.self_contact
+    assert (effect.state, effect.dhat_mm) == ("auto", 0.1)
+    assert load_config(
+        COARSE, ["effects.self_contact=off", "effects.self_contact.dhat=0.1 mm"]
+    ).effects.self_contact.off

@@ -1,4 +1,4 @@
-"""Rubbers by name, and constants as other programs write them."""
+"""Rubbers by name, constants as other programs write them, and rubber in time: branches and a loss factor."""
 
 from pathlib import Path
 
@@ -8,8 +8,8 @@ import pytest
 import pneurod
 from pipeline.answers.material.laws import STATES, is_stable, stretches
 from pipeline.config.load import load_config
-from pipeline.config.material import Material
-from pipeline.config.rubbers import INSTEAD, RUBBERS
+from pipeline.config.material import Branch, Material
+from pipeline.config.rubbers import RUBBERS
 from pipeline.simulate.design_notes import check_load
 from pipeline.values.errors import InputError
 from pipeline.values.reasons import TEMPLATES
@@ -38,13 +38,6 @@ def test_a_rubber_by_name_is_stable_where_it_holds(name: str, configs: Path) -> 
     assert 1e12 * (rubber.density_tonne_mm3 or 0.0) == pytest.approx(1100, abs=100)
     assert 0.04 < law.young_modulus < 0.7
     assert law.poisson_ratio == pytest.approx(0.495)
-
-
-def test_the_moduli_of_rubbers_by_name_are_in_the_order_of_their_hardness(configs: Path) -> None:
-    """Ecoflex 00-30 and 00-50, Dragon Skin 10 A, Mold Star 16 A, Dragon Skin 20 A and 30 A."""
-    names = ("ecoflex_00_30", "ecoflex_00_50", "dragon_skin_10", "mold_star_16", "dragon_skin_20", "dragon_skin_30")
-    moduli = [material(configs, f"name: {name}").built().young_modulus for name in names]
-    assert moduli == sorted(moduli)
 
 
 def test_a_name_is_kept_with_what_stands_beside_it(configs: Path) -> None:
@@ -98,8 +91,34 @@ def test_branches_of_abaqus_are_parts_of_the_modulus_at_once(configs: Path) -> N
     assert "held" not in material(configs, "law: neo_hooke, mu: 0.1 MPa").told
 
 
-def test_what_to_write_instead_is_no_key_of_the_law(configs: Path) -> None:
-    from fem.materials import LAWS
+COARSE = "pneunet_coarse.yaml"
 
-    for law, keys in INSTEAD.items():
-        assert not set(keys) & set(LAWS[law].constants())
+
+def material_of(configs: Path, *overrides: str) -> Material:
+    return load_config(configs / COARSE, overrides).material
+
+
+def test_branches_and_a_band_are_read_with_their_units(configs: Path) -> None:
+    given = material_of(
+        configs,
+        "material_of.relaxation=[{g: 0.08, tau: 900 ms}, {g: 0.02, tau: 2 min}]",
+        "material_of.loss_factor={value: 0.12, from: 1 Hz, to: 10 Hz}",
+    )
+    assert given.relaxation == (Branch(0.08, 0.9), Branch(0.02, 120.0))
+    assert (given.loss_factor, given.loss_between_Hz) == (0.12, (1.0, 10.0))
+    record = given.record()
+    assert (record["relaxation_g"], record["relaxation_tau_s"]) == ([0.08, 0.02], [0.9, 120.0])
+    assert (record["loss_factor"], record["loss_between_Hz"]) == (0.12, [1.0, 10.0])
+
+
+def test_one_branch_needs_no_list(configs: Path) -> None:
+    assert material_of(configs, "material_of.relaxation={g: 0.08, tau: 0.9 s}").relaxation == (Branch(0.08, 0.9),)
+
+
+def test_the_modulus_is_that_at_long_times(configs: Path) -> None:
+    plain, slow = material_of(configs), material_of(configs, "material_of.relaxation={g: 0.5, tau: 1 s}")
+    assert slow.built().young_modulus == plain.built().young_modulus
+
+
+def test_a_configuration_without_them_has_the_same_record(configs: Path) -> None:
+    assert material_of(configs).record().keys() == {"law", "E", "nu", "density_tonne_mm3"}

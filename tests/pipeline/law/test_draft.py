@@ -44,8 +44,6 @@ def draft(shared: SharedFolders, tmp_path: Path, undrawn: None) -> Path:
 
 def test_a_draft_is_one_law_without_what_takes_time(draft: Path) -> None:
     run = read_results(draft)
-    assert run.law is not None
-    assert run.law.plane is not None
     assert run.law.pressures_kPa == (0.0, 15.0, 30.0)
     assert run.law.plane.rates == {}
     assert len(run.law.unloaded) == 2

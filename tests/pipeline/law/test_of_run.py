@@ -111,7 +111,6 @@ def test_a_run_with_the_law_alone_solves_no_whole_arm(tmp_path: Path, results: P
     verdict = verdict_of(alone)
     assert (verdict.rod, verdict.errors) == ("arm_law", ())
     assert verdict.bending == verdict_of(both).bending
-    assert alone.law is not None
     assert alone.law.pressures_kPa[-1] == 12.0
 
 
@@ -181,10 +180,8 @@ def test_a_cell_that_bears_no_pressure_of_the_configuration_is_measured_below_th
     with open_store(tmp_path / "out", large) as store:
         context = RunContext.alone(store, Silent())
         made = law_on_mesh_of_arm(Scene.meshed(large), context, lambda: 8.0).result()
-    assert made.law is not None
     assert (made.law.pressures[0], made.law.pressures[-1]) == (0.0, 8.0)
     assert [reason.code for reason in made.reasons][:2] == ["law_measured", "law_incomplete"]
-    assert made.measured is not None
     assert 8.0 in made.measured.added_kPa
 
 
@@ -214,12 +211,10 @@ def test_the_law_goes_no_higher_than_the_whole_arm(
     with open_store(measured / "out", design) as store:
         context = RunContext.alone(store, Silent())
         made = law_on_mesh_of_arm(scene, context, lambda: find_highest_pressure(scene, *simulated)).result()
-    assert made.law is not None
     assert made.law.pressures[-1] == highest
     assert all(pressure in made.law.pressures for pressure in (6.0, 12.0) if pressure <= highest)
     assert (Reason("law_up_to", {"pressure_kPa": highest}) in made.reasons) == (highest < 12.0)
     assert made.failures == ()
-    assert made.measured is not None
     assert (highest in made.measured.added_kPa) == (highest not in (6.0, 12.0))
 
 
@@ -251,6 +246,5 @@ def test_a_run_tells_its_law_how_high_it_goes(tmp_path: Path, monkeypatch: pytes
     monkeypatch.setattr("pipeline.stages.find_highest_pressure", up_to_six)
     design = config(tmp_path, "accuracy=20 %", "validation=off", "experiments=[II, III]")
     delivered = run(design, tmp_path / "out", jobs, False, Silent()).arm.law
-    assert delivered is not None
     assert delivered.pressures[-1] == 12.0
     assert read(tmp_path / "out", "law_on_mesh_of_arm.json")["pressures_kPa"][-1] == 6.0

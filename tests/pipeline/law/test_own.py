@@ -69,7 +69,6 @@ def test_contact_of_the_pieces_without_naming_their_walls(own: Path) -> None:
 
 def test_planes_are_recorded_and_refused_with_the_key(own: Path) -> None:
     geometry = load_config(own).record()["geometry"]
-    assert isinstance(geometry, dict)
     assert geometry["cell"] == {"from": 16.0, "to": 21.0}
     for value, sentence in (
         ("{from: 16 mm}", "write two planes, for example {from: 40 mm, to: 44 mm}"),

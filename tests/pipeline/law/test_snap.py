@@ -42,7 +42,6 @@ def test_the_limits_are_those_of_an_infinitely_fine_mesh() -> None:
         assert std is not None
         assert value == pytest.approx(true, abs=max(2.0 * std, 0.02))
     law = limits.on(snapping_law(swells=False), Log(), [15.0])
-    assert law.limit is not None
     assert law.limit.rates == {"geometry.wall": 4.0}
     np.testing.assert_allclose(law.limit.kappas, [-0.01, -0.02, -0.03])
     on_one = SnapLimits.of(snap(2.0), {2.0: snap(2.0), 1.4: snap(1.4, returns=False)})
@@ -57,7 +56,6 @@ def test_each_form_has_its_own_pressures() -> None:
     config = load_config(ARM, ["pressures=[15 kPa, 24 kPa, 30 kPa]"])
     law = snapping_law(swells=False)
     pieces = swollen_pieces(ArmPieces.of(Scene.meshed(config)), limits.on(law, Log(), [15.0]))
-    assert pieces is not None
     assert pieces.after_snap
     assert pieces.config.pressures_kPa == (22.44, 24.0, 27.54, 30.0)
     assert pieces.with_mesh_size(3.0).after_snap
@@ -72,7 +70,6 @@ def test_a_law_of_an_arm_without_a_form_beyond_ends_below_its_limit(tmp_path: Pa
     law = measured.law
     assert config.effects.strain_limiting_layer.on
     assert measured.layers is None  # the swollen arm is not solved without its sheet, which takes minutes
-    assert law.limit is not None
     assert law.limit.value == pytest.approx(26.9, rel=0.05)
     assert (law.back, law.swollen, law.limit.std) == (None, None, None)
     assert law.pressures[:2] == (0.0, 20.0)

@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.config.load import load_config
 from pipeline.results.files import read_results, save_value
-from pipeline.results.unloaded import unloaded_states
+from pipeline.results.unloaded import unloaded_states, weight_not_borne
 from pipeline.results.verdict import verdict_of
 from pipeline.stages import _tolerances
 from pipeline.store.result_folder import ResultFolder
@@ -42,3 +42,16 @@ def test_the_record_of_a_run_holds_numbers_alone(tmp_path: Path, times: float, a
     assert run.law is not None
     run = replace(run, law=replace(run.law, unloaded=unloaded_states(law, [17.0, 37.0])), record=read)
     assert not any(word in " ".join(verdict_of(run).lines).split() for word in ("nan", "inf", "unknown", "infinite"))
+
+
+def test_a_law_that_does_not_bear_its_own_weight_says_so() -> None:
+    law = scaled_law()
+    light, heavy = (replace(law, mass=Mass.even(law.length, grams)) for grams in (0.1, 30.0))
+    assert weight_not_borne(replace(law, mass=None)) is None
+    assert weight_not_borne(light) is None
+    assert weight_not_borne(replace(heavy, weight=(0.0, -1e-4))) is None  # measured with its weight
+    reason = weight_not_borne(heavy)
+    # the moment at the clamp of a straight arm that lies is m g l / 2
+    borne = -float(law.cells[0].moment[0]) / (0.5 * 30.0 * 9.81e-3 * law.length)
+    assert reason.values["percent"] == pytest.approx(100.0 * borne, rel=0.15)
+    assert report_reason(reason).text.startswith("At 0 kPa it bears ")

@@ -82,10 +82,6 @@ def test_too_many_data_are_reduced(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert body_view(Run(tmp_path)) == {}
 
 
-def test_a_run_without_surfaces_has_no_view(tmp_path: Path) -> None:
-    assert body_view(Run(tmp_path)) == {}
-
-
 def test_sections_of_a_body_stand_on_its_bent_curve() -> None:
     """On a quarter of a circle in a plane that is turned about x; beyond its end the body goes on straight."""
     radius, s, turn = 60.0, np.linspace(0.0, 30.0 * np.pi, 721), 0.4
@@ -107,7 +103,6 @@ def test_sections_of_a_body_stand_on_its_bent_curve() -> None:
 def test_without_finite_elements_of_the_arm_its_body_stands_on_the_rod(tmp_path: Path, in_space: bool) -> None:
     points, tets = bar()
     run = coarse_run()
-    assert run.law is not None
     assert run.law.plane is not None
     law = run.law.plane
     length = LENGTH if in_space else law.length

@@ -4,12 +4,11 @@ import io
 import re
 from typing import Any
 
-import pytest
 from rich.console import Console
 
 from pipeline.show.progress import Lines, Terminal, progress_for
 from pipeline.store.processes import Processes
-from pipeline.store.progress import Message, PassedOn, Progress, Silent
+from pipeline.store.progress import Message, PassedOn, Progress
 from pipeline.store.worker import tell
 
 CALLS: list[tuple[str, tuple[Any, ...]]] = [
@@ -128,10 +127,3 @@ def test_progress_fits_into_80_columns() -> None:
         lines = [re.sub(r"\x1b\[[\d;?]*[A-Za-z]", "", line).rstrip() for line in text.getvalue().splitlines()]
         assert any("III_end_-20.25mm" in line for line in lines)
         assert max(map(len, lines)) <= 80, max(lines, key=len)
-
-
-def test_silent_progress_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
-    progress: Progress = Silent()
-    report(progress)
-    progress.done()
-    assert capfd.readouterr() == ("", "")

@@ -25,6 +25,23 @@ from pipeline.store.store import open_store
 from pipeline.study.effects.rows import BASE, effects_table
 from pipeline.study.effects.study import compare_effects, variants
 
+FRESH = """
+import json, sys
+from dataclasses import replace
+from pathlib import Path
+from tests.pipeline.simulate.test_effects import SHORT, simulated
+
+single = ("geometry.length=32 mm",)
+arms = {"semicircular": SHORT, "semicircular_single": single, "bisected_circle": single, "pneunet": SHORT}
+rows = []
+for name, overrides in arms.items():
+    place = Path(sys.argv[1]) / name
+    _, row = simulated(place, f"{name}_coarse", *overrides, "pressures=[5 kPa]")
+    rows.append(row["self_contact"])
+print(json.dumps([rows, "ipctk" in sys.modules]))
+"""
+
+
 HERE = Path(__file__).resolve().parent.parent.parent.parent
 SHORT = ("geometry.chambers=3", "mesh.size=6 mm")
 
@@ -72,23 +89,6 @@ def test_contact_joins_when_walls_come_near(tmp_path: Path) -> None:
     assert (ends(waits)[0] == ends(never)[0]).all()
     assert np.abs(ends(waits)[1] - ends(never)[1]).max() > 1e-3
     assert (off["self_contact"]["state"], off["self_contact"]["share_of_time"]) == ("off", 0.0)
-
-
-FRESH = """
-import json, sys
-from dataclasses import replace
-from pathlib import Path
-from tests.pipeline.simulate.test_effects import SHORT, simulated
-
-single = ("geometry.length=32 mm",)
-arms = {"semicircular": SHORT, "semicircular_single": single, "bisected_circle": single, "pneunet": SHORT}
-rows = []
-for name, overrides in arms.items():
-    place = Path(sys.argv[1]) / name
-    _, row = simulated(place, f"{name}_coarse", *overrides, "pressures=[5 kPa]")
-    rows.append(row["self_contact"])
-print(json.dumps([rows, "ipctk" in sys.modules]))
-"""
 
 
 def test_scenes_without_contact_load_no_contact_code(tmp_path: Path) -> None:
@@ -178,17 +178,6 @@ def test_the_volume_is_that_of_the_cavity_under_pressure_and_the_stretch_counts_
     planar = heavy.records[0].centreline.stretch
     assert planar < straight.stretch_of_curve - 1e-3
     assert sides.stretch_of_curve == pytest.approx(straight.stretch_of_curve, abs=3e-4)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["semicircular", "semicircular_single", "bisected_circle"])
-def test_coarse_parameterization_is_cheap(name: str, tmp_path: Path) -> None:
-    for layer in ("off", "on"):
-        overrides = [f"effects.strain_limiting_layer={layer}"]
-        outcomes, _ = simulated(tmp_path / layer, f"{name}_coarse", *overrides, experiments=("II", "III"))
-        assert outcomes.factorizations <= 60
-        stretch = [record.state.stretch_of_curve for record in outcomes.records]
-        assert layer == "off" or np.abs(np.array(stretch) - 1.0).max() < 2e-3
 
 
 def test_table_of_effects(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""A limit is named at little cost and from steps of any size, and experiments tell each other."""
+"""A limit is named at little cost and from steps of any size; experiments tell each other, and go on below it."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -15,8 +15,9 @@ from geometry import Reason
 from pipeline.config.load import load_config
 from pipeline.simulate.case_path import CasePath
 from pipeline.simulate.known_limit import EndOfII
+from pipeline.simulate.outcome import Outcomes
 from pipeline.simulate.scene import Scene
-from pipeline.simulate.simulate import simulate
+from pipeline.simulate.simulate import add_states_below_limit, simulate
 from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
@@ -141,7 +142,6 @@ def test_before_the_first_pressure_nobody_is_asked_whether_it_is_worth_the_searc
 @pytest.mark.parametrize("relative", [1e-9, -1e-9])
 def test_rounding_does_not_decide_where_the_path_ends(model: fem.Model, relative: float) -> None:
     law = model.material
-    assert isinstance(law, fem.StVenantKirchhoff)
     changed = replace(model, material=fem.StVenantKirchhoff(law.E * (1 + relative), law.nu))
     end, _ = end_of(changed, 5.0)
     assert end.limit == pytest.approx(LIMIT_KPA, rel=5e-3)
@@ -163,8 +163,6 @@ def test_two_tells_its_limit_and_one_does_not_search_its_own(tmp_path: Path) -> 
             outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["I", "II"])
         failures = [outcome.failure for outcome in outcomes]
         assert all(len(outcome.records) == 1 for outcome in outcomes)
-        assert failures[0] is not None
-        assert failures[1] is not None
         assert failures[1].limit_kPa == pytest.approx(LIMIT_KPA, rel=0.01)
         assert expected in failures[0].codes
         assert "limit_point" in failures[1].codes
@@ -184,9 +182,6 @@ def test_two_tells_where_it_ends_without_a_limit_that_it_could_name(
     with open_store(tmp_path, config) as store:
         outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["I", "II", "III"])
     failures = {name: outcomes[name].failure for name in ("I", "II", "III")}
-    assert failures["I"] is not None
-    assert failures["II"] is not None
-    assert failures["III"] is not None
     assert failures["I"].reasons[-1].values["end"] == "last equilibrium"
     assert failures["I"].not_followed
     assert failures["III"].codes == ["followed_near_end_of_II"]
@@ -214,7 +209,6 @@ def test_three_is_followed_up_to_the_limit_of_two(
         outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["II", "III"])
     stored = {path.stem for path in (tmp_path / "states").glob("*.npz")}
     failure = outcomes["III"].failure
-    assert failure is not None
     assert failure.codes[: len(codes)] == codes
     assert failure.limit_kPa == pytest.approx(limit_kPa, rel=1e-3)
     assert failure.not_followed == (limit_kPa == 0.0)
@@ -240,5 +234,67 @@ def test_a_lower_limit_of_the_free_body_is_named(pressures: str, tmp_path: Path)
         outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["I", "II"])
     assert outcomes["II"].failure is None
     failure = outcomes["I"].failure
-    assert failure is not None
     assert failure.limit_kPa == pytest.approx(0.525, rel=3e-3)
+
+
+#: long enough for five parameters
+LONG = [*THIN, VACUUM, "geometry.length=70 mm", "mesh.size=9 mm"]
+
+
+def followed(folder: Path, *changes: str) -> tuple[Outcomes, Outcomes, Reason | None]:
+    """The outcomes of II and III, those with states below the limit, and the remark on them."""
+    settings = [*LONG, "experiments=[II, III]", *changes]
+    config = load_config(CONFIGS / "semicircular_single_coarse.yaml", settings)
+    with open_store(folder, config) as store:
+        context = RunContext.alone(store, Silent())
+        scene = Scene.meshed(config)
+        outcomes = simulate(scene, context)
+        return outcomes, *add_states_below_limit(scene, context, outcomes)
+
+
+def test_states_below_the_limit_replace_pressures_that_the_arm_does_not_bear(tmp_path: Path) -> None:
+    without, outcomes, remark = followed(tmp_path, "pressures=[5 kPa, 7 kPa]")
+    assert without.records == ()
+    pressures = [record.pressure_kPa for record in outcomes["II"].records]
+    assert pressures == [record.pressure_kPa for record in outcomes["III"].records]
+    limits = [o.failure.limit_kPa for o in without if o.failure and o.failure.limit_kPa]
+    limit = min(limits)
+    assert pressures == pytest.approx([0.4 * limit, 0.8 * limit], rel=0.01)
+    assert outcomes.failures == without.failures
+    assert remark.values == {"reached_kPa": pressures, "limit_kPa": pytest.approx(limit, rel=5e-3)}
+
+
+@pytest.mark.slow
+def test_nothing_is_added_where_a_pressure_is_reached_or_the_arm_is_short(tmp_path: Path) -> None:
+    without, outcomes, remark = followed(tmp_path / "reached", "pressures=[1 kPa, 7 kPa]")
+    assert (outcomes, remark) == (without, None)
+    assert len(outcomes.records) == 2
+    without, outcomes, remark = followed(tmp_path / "short", "pressures=[5 kPa]", "geometry.length=60 mm")
+    assert (outcomes, remark) == (without, None)
+    assert without.records == ()
+
+
+@pytest.mark.slow
+def test_the_last_equilibrium_stands_for_a_limit_that_is_not_named(tmp_path: Path) -> None:
+    config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*LONG, "pressures=[5 kPa]"])
+    with open_store(tmp_path, config) as store:
+        context = RunContext.alone(store, Silent())
+        scene = Scene.meshed(config)
+        outcomes = simulate(scene, context, ["II", "III"])
+
+        def ending(limit_kPa: float, reached_kPa: float, **changes: float) -> Outcomes:
+            end = {"limit_kPa": limit_kPa, "reached_kPa": reached_kPa, **changes}
+            changed = {o.name: replace(o, failure=replace(o.failure, **end)) for o in outcomes if o.failure}
+            assert len(changed) == 2
+            return Outcomes(changed)
+
+        ended = outcomes["II"].failure
+        assert 0.9 * ended.limit_kPa < ended.reached_kPa < 5.0
+        added, _ = add_states_below_limit(scene, context, ending(0.0, 1.0))
+        assert [record.pressure_kPa for record in added["II"].records] == [0.4, 0.8]
+        crossing = ending(0.0, 0.0, pressure_kPa=1.0, passes_through_itself=True)
+        added, remark = add_states_below_limit(scene, context, crossing)
+        assert [record.pressure_kPa for record in added["II"].records] == [0.4, 0.8]
+        assert remark.values["limit_kPa"] == 1.0
+        at_rest = ending(0.0, 0.0)
+        assert add_states_below_limit(scene, context, at_rest) == (at_rest, None)

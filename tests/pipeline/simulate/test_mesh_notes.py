@@ -70,7 +70,6 @@ def test_a_flat_element() -> None:
         if flat.quality.minimum < FLAT_ELEMENT:
             break
     reason = check_mesh(flat)
-    assert reason is not None
     assert (reason.values["radius_ratio"], reason.where) == (flat.quality.minimum, flat.quality.position)
 
 
@@ -109,7 +108,6 @@ def test_a_body_that_is_not_longest_along_x(tmp_path: Path) -> None:
 
     path = str(save(tmp_path / "upright.step", upright))
     reason = not_along_x(CadFile(path, 1.5))
-    assert reason is not None
     assert (reason.values["length_mm"], reason.values["longest_mm"]) == pytest.approx((12.0, 60.0))
     assert (reason.values["axis"], reason.values["axes"]) == ("y", "[y, x, -z]")
     assert not_along_x(CadFile(path, 1.5, axes=("y", "-x", "z"))) is None

@@ -1,4 +1,4 @@
-"""Outcomes of experiments as values: merging, failures in sentences, the rows of experiments.json."""
+"""Outcomes of experiments as values: merging, failures in the units of the configuration, rows of experiments.json."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -8,12 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem import Seconds
+from fem import End, Seconds
 from geometry import Centreline, Reason
+from pipeline.config.config import End as ArmEnd
 from pipeline.config.load import load_config
+from pipeline.simulate.case_path import why_ended, why_left
 from pipeline.simulate.effects_record import list_effects
+from pipeline.simulate.known_limit import EndOfII
+from pipeline.simulate.loadcase import LoadCase, PressureSchedule, identification_case, schedule
 from pipeline.simulate.outcome import Failure, Outcome, Outcomes, Record
 from pipeline.simulate.scene import Scene
+from pipeline.values.reasons import render_all
 from pipeline.values.run import State
 from rod import Load
 
@@ -102,7 +107,6 @@ def test_an_end_before_the_end_of_the_arm_is_where_it_is_held_is_no_limit_of_the
 def test_the_indicator_is_that_of_the_worst_state() -> None:
     outcomes = Outcomes({"II": outcome("II", record(10.0, 0.1), record(20.0, 0.3), record(30.0, 0.2))})
     worst = outcomes.largest_indicator
-    assert worst is not None
     assert (worst.stress_error, worst.pressure_kPa) == (0.3, 20.0)
     assert "at most 30 % in energy, in II at 20 kPa" in worst.sentence
     assert Outcomes({}).largest_indicator is None
@@ -151,3 +155,43 @@ def test_the_first_reason_is_not_that_another_experiment_has_ended() -> None:
     }
     outcomes = Outcomes({name: outcome(name, record(5.0), failure=failure) for name, failure in ends.items()})
     assert [reason.values["experiment"] for reason in outcomes.failures] == ["II", "III", "I"]
+
+
+SCHEDULE = PressureSchedule((45.0,), 45.0)
+END = End("load factor", 1.0, 0.4, 0.5, 3, 40, (Reason("stiffer_contact_fails"),))
+
+
+def test_where_a_path_ended_in_the_units_of_the_configuration() -> None:
+    free, held, drawn = (
+        LoadCase(name, name, SCHEDULE, at_end)
+        for name, at_end in (("II", ArmEnd()), ("III", ArmEnd(y_mm=-30.0)), ("III", ArmEnd(force_N=(0.2, 0.0))))
+    )
+    assert why_ended(END, free) == (Reason("ends_beyond", {"reached_kPa": 18.0, "target_kPa": 45.0}), *END.reasons)
+    first, limit, *_ = why_ended(replace(END, limit=0.5), held)
+    assert (first.code, limit) == ("ends_with_part", Reason("has_limit", {"limit_kPa": 22.5}))
+    assert first.values == {"reached_kPa": 18.0, "target_kPa": 45.0, "percent": 50.0, "on_end": "u_y = -30 mm"}
+    assert why_ended(END, drawn)[0].values["on_end"] == "F_x = 0.2 N"
+    assert why_ended(replace(END, constant_fraction=1.0), held)[0].code == "ends_beyond"
+    assert render_all(why_ended(END, free)) == (
+        "no equilibrium found beyond 18 kPa on the way to 45 kPa; more or stiffer contact does not help"
+    )
+
+
+def test_how_far_a_path_was_followed_that_was_given_up() -> None:
+    case, second = LoadCase("I", "I", SCHEDULE, ArmEnd()), EndOfII(17.0, 20.0, is_limit=True)
+    because = Reason("end_of_II", {"end": "limit", "end_kPa": 20.0})
+    assert why_left(END, case, second) == (Reason("followed_to", {"reached_kPa": 18.0}), because)
+    assert why_left(replace(END, reached=0.0), case, second) == (Reason("not_tried"), because)
+
+
+def test_load_factors_are_pressures_over_the_largest_of_the_run() -> None:
+    of_run = PressureSchedule((5.0, 17.0, 31.0, 45.0), 45.0)
+    assert of_run.reference_MPa == 0.045
+    assert of_run.factors == (0.005 / 0.045, 0.017 / 0.045, 0.031 / 0.045, 1.0)
+    assert f"{of_run.pressure_at(0.4):.4g}" == "18"
+
+
+def test_other_pressures_are_scaled_by_the_largest_of_the_run(configs: Path) -> None:
+    config = load_config(configs / "pneunet_coarse.yaml")
+    assert identification_case(config, "III").schedule == PressureSchedule((17.0, 37.0), 37.0)
+    assert schedule(config, (24.0,)) == PressureSchedule((24.0,), 37.0)

@@ -1,6 +1,6 @@
 """Bodies from files in a configuration: the STEP file in configs/, a mesh file, and files that are refused.
 
-`python -m tests.test_pipeline_own` draws configs/finger.step again.
+`python -m tests.pipeline.simulate.test_own` draws configs/finger.step again.
 """
 
 import re

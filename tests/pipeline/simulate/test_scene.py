@@ -12,7 +12,7 @@ from pipeline.config.config import Config
 from pipeline.config.effects import CavityPressure, StrainLimitingLayer
 from pipeline.config.load import load_config
 from pipeline.law.piece.pieces import ArmPieces
-from pipeline.simulate.scene import Scene, material_of
+from pipeline.simulate.scene import Scene
 from pipeline.values.errors import InputError
 from tests.foreign_bodies import bar
 from tests.step_bodies import pneunet_as_step, save
@@ -28,12 +28,6 @@ def arm(configs: Path) -> Path:
 @pytest.fixture(scope="module")
 def half() -> Body:
     return Scene.meshed(load_config("configs/bisected_circle_coarse.yaml", BISECTED)).body
-
-
-def refusal(path: Path, *overrides: str) -> str:
-    with pytest.raises(InputError) as refused:
-        Scene.meshed(load_config(path, [*BISECTED, *overrides]))
-    return str(refused.value)
 
 
 def loads(config: Config, body: Body, largest_MPa: float) -> list[fem.Effect]:
@@ -109,38 +103,6 @@ def test_parameters_switch_an_effect_on(arm: Path, half: Body) -> None:
     assert len(layer.triangles) == len(half.mesh.plane(1, 0.0)) > 0
     along_z = load_config(arm, [*BISECTED, "effects.gravity={state: auto, acceleration: [0 m/s^2, 0 m/s^2, 1 m/s^2]}"])
     assert loads(along_z, half, 0.04) == [fem.Pressure("cavity", 0.04)]
-
-
-def test_elements_follow_poissons_ratio(tmp_path: Path, arm: Path) -> None:
-    text = "".join(line for line in arm.read_text().splitlines(keepends=True) if "formulation" not in line)
-    path = tmp_path / "arm.yaml"
-    path.write_text(text, encoding="utf-8")
-
-    def formulation(*overrides: str) -> str:
-        return load_config(path, overrides).mesh.formulation
-
-    assert formulation() == "mixed"
-    assert formulation("material.nu=0.3") == "p2"
-    assert formulation("material.nu=0.3", "effects.incompressibility=on") == "mixed"
-    assert formulation("effects.incompressibility=off") == "p2"
-    assert formulation("mesh.formulation=p2") == "p2"
-    assert formulation("mesh.formulation=p1") == "p1"
-    assert formulation("mesh.formulation=p1", "effects.incompressibility=off") == "p1"
-    assert "contradict each other" in refusal(path, "mesh.formulation=p1", "effects.incompressibility=on")
-    assert formulation("material.nu=0.4999") == "mixed"
-    assert formulation("material.nu=0.4999", "effects.incompressibility=off") == "p2"
-    assert formulation("material.nu=0.3", "mesh.formulation=mixed") == "mixed"
-    # rubber: nu from the moduli, 0.497 and 0.4998
-    rubber = "material={{law: neo_hooke, mu: 0.4 MPa, kappa: {} MPa, density: 1130 kg/m^3}}"
-    assert formulation(rubber.format(66)) == "mixed"
-    assert formulation(rubber.format(1000)) == "mixed"
-
-
-def test_laws_of_rubber(arm: Path) -> None:
-    rubber = "material={law: yeoh, c10: 0.11 MPa, c20: 0.02 MPa, c30: 0 MPa, kappa: 20 MPa, density: 1130 kg/m^3}"
-    config = load_config(arm, [*BISECTED, rubber])
-    assert material_of(config) == fem.Yeoh(c10=0.11, c20=0.02, c30=0.0, kappa=20.0)
-    assert config.mesh.formulation == "p2p0"
 
 
 def test_one_effect_can_be_changed(arm: Path) -> None:

@@ -84,7 +84,6 @@ def test_a_process_killed_while_writing_leaves_whole_files(tmp_path: Path, confi
         "        print(number, flush=True)\n"
     )
     writer = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True, cwd=configs.parent)
-    assert writer.stdout is not None
     for _ in range(5):
         writer.stdout.readline()
     writer.send_signal(signal.SIGKILL)
@@ -92,7 +91,6 @@ def test_a_process_killed_while_writing_leaves_whole_files(tmp_path: Path, confi
     writer.stdout.close()
     with open_store(tmp_path, config) as store:
         state = store.load_state("II", 17.0)
-        assert state is not None
         assert np.ptp(state["u"]) == 0.0
     assert not [name for name in files(tmp_path) if "part" in name]
 
@@ -119,7 +117,6 @@ def test_states_are_remembered(tmp_path: Path, config: Config) -> None:
         store.save_state("II", 17.0, u=u, reaction=0.08, note="converged")
     with open_store(tmp_path, config) as store:
         state = store.load_state("II", 17.0)
-        assert state is not None
         assert set(state) == {"u", "reaction", "note"}
         np.testing.assert_array_equal(state["u"], u)
         assert float(state["reaction"]) == 0.08

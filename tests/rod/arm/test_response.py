@@ -47,8 +47,6 @@ def test_the_first_mode_of_a_nearly_straight_rod_holds_its_end() -> None:
 @pytest.mark.parametrize("loads", [{"force": (0.0, 0.01)}, {"end_y": -5.0}, {"direction": "hanging", "tip_mass": 1.0}])
 def test_of_an_arm_with_its_own_law_as_of_its_neighbours(loads: dict[str, object]) -> None:
     law = coarse_run().law
-    assert law is not None
-    assert law.plane is not None
     width, at = 2e-3, law.plane.at
     shape, less, more = (Rod(law.plane.length, law=at(10.0 + k * width)).solve(**loads) for k in (0.0, -0.5, 0.5))
     given = shape.derivative((at(10.0 - 0.5 * width), at(10.0 + 0.5 * width)))
@@ -59,8 +57,6 @@ def test_of_an_arm_with_its_own_law_as_of_its_neighbours(loads: dict[str, object
 
 def test_forces_payloads_and_loads_along_the_arm_as_small_ones() -> None:
     law = coarse_run().law
-    assert law is not None
-    assert law.plane is not None
     rod = Rod(law.plane.length, law=law.plane.at(10.0))
     shape = rod.solve(force=(0.0, 0.01))
     middle = PointLoad(0.5 * rod.length, (0.0, 1.0))
@@ -77,8 +73,6 @@ def test_forces_payloads_and_loads_along_the_arm_as_small_ones() -> None:
 def test_of_an_arm_that_a_support_holds_in_its_middle() -> None:
     """Its end by a force there, and the force on its end, where it is held too, by a load before it."""
     law = coarse_run().law
-    assert law is not None
-    assert law.plane is not None
     rod = Rod(law.plane.length, law=law.plane.at(10.0))
     middle, end = Support(0.5 * rod.length, y=-2.0), Support(rod.length, y=-5.0)
     width = 0.1 * NARROW  # a newton moves the end of this arm by half a meter

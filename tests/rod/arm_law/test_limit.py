@@ -1,14 +1,17 @@
-"""A law with a limit of the pressure: both forms, what moves them, and law.json."""
+"""A law with a limit of the pressure: both forms, what moves them, law.json; and one with a bend of second order."""
 
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from pipeline.results.laws import law_of_record, law_record
 from rod import ArmLaw, RodError
+from rod.arm_law.moved import order_of_strain
+from tests.rod.arm_law.test_arm_law import law_of, straight_law
 from tests.snapping_arm import BACK, BY_MODULUS, BY_WALL, CURVED, LIMIT, SWOLLEN, kappa_0, snapping_law
 
 LAW = snapping_law()
@@ -32,8 +35,6 @@ def test_beyond_the_limit_inflation_from_rest_has_snapped() -> None:
 
 def test_moduli_scale_the_limits_exactly() -> None:
     law = LAW.scaled(1.25)
-    assert law.limit
-    assert law.back
     assert law.swollen
     assert (law.limit.value, law.limit.std, law.back.value) == (1.25 * LIMIT, 0.25, 1.25 * BACK)
     assert law.limit.rates == {"geometry.wall": 1.25 * BY_WALL, "material.mu": BY_MODULUS}
@@ -47,9 +48,6 @@ def test_moduli_scale_the_limits_exactly() -> None:
 
 def test_moduli_that_grow_with_the_pressure_move_both_forms_alike() -> None:
     law, factor = LAW.stiffened(0.2), float(np.exp(0.2 * LIMIT / LAW.pressures[-1]))
-    assert law.limit
-    assert law.back
-    assert law.swollen
     assert law.limit.value == pytest.approx(factor * LIMIT)
     assert law.back.value == pytest.approx(BACK * np.exp(0.2 * BACK / LAW.pressures[-1]))
     assert law.swollen.pressures == pytest.approx([p * np.exp(0.2 * p / LAW.pressures[-1]) for p in SWOLLEN])
@@ -59,7 +57,6 @@ def test_a_change_of_the_design_moves_the_limit_and_both_forms() -> None:
     """A form that the change pushes beyond its limit is left there."""
     change = {"geometry.wall": -0.02}
     for law in (LAW.with_changes(change), LAW.carried(change)):
-        assert law.limit
         assert law.limit.value == LIMIT - 0.02 * BY_WALL
         assert law.at(24.0).section.kappa_0 == pytest.approx(kappa_0(24.8), rel=0.03)
         assert law.at(25.0, after_snap=True).section.kappa_0 == pytest.approx(kappa_0(25.8, after_snap=True), rel=0.01)
@@ -91,7 +88,6 @@ def test_another_rubber_moves_both_forms() -> None:
 def test_both_forms_come_back_from_law_json(law: ArmLaw) -> None:
     record = json.loads(json.dumps(law_record(law)))
     again = law_of_record(record)
-    assert isinstance(again, ArmLaw)
     assert json.dumps(law_record(again)) == json.dumps(record)
     assert record["limit_kPa"]["value"] == LIMIT
     assert record["limit_kPa"]["std"] == 0.2
@@ -102,7 +98,6 @@ def test_both_forms_come_back_from_law_json(law: ArmLaw) -> None:
         return
     for table in (record["curves"], record["clamp"]["curves"], record["tip"]["curves"]):
         assert [row.get("form") for row in table] == [None] * 8 + ["after_snap"] * 5
-    assert again.swollen
     assert again.swollen.pressures == law.swollen.pressures
     assert again.rates.keys() == again.swollen.rates.keys() == law.rates.keys()
     assert all(len(rate.cells) == 5 for rate in again.swollen.rates.values())
@@ -128,7 +123,6 @@ def test_a_file_of_the_format_before_is_read() -> None:
     record = law_record(replace(LAW, limit=None, back=None, swollen=None))
     old = {key: value for key, value in record.items() if key not in ("limit_kPa", "return_kPa")}
     again = law_of_record(json.loads(json.dumps({**old, "format": 4})))
-    assert isinstance(again, ArmLaw)
     assert again.limit is None
     assert again.pressures == LAW.pressures
 
@@ -140,3 +134,52 @@ def test_a_curve_that_begins_without_moment_but_for_rounding_has_a_curvature_the
     assert first.kappa_0 == pytest.approx(section.kappa[0], rel=1e-6)
     with pytest.raises(RodError, match="no point without moment"):
         _ = replace(section, moment=first.moment + 1e-3 * width).kappa_0
+
+
+COARSE_LAW = Path("tests/data/results_coarse/law.json")
+
+
+@pytest.fixture(scope="module")
+def law() -> ArmLaw:
+    return law_of_record(json.loads(COARSE_LAW.read_text(encoding="utf-8")))
+
+
+def test_curvature_and_stretch_change_by_the_square_of_the_strain(law: ArmLaw) -> None:
+    changed = law.with_second_order(0.5, 0.3)
+    for before, after in zip(law.cells, changed.cells, strict=True):
+        strain, height = order_of_strain(before)
+        assert after.at(0.0)[0] - before.at(0.0)[0] == pytest.approx(0.5 * strain**2 / height, abs=1e-12)
+        assert after.at(0.0)[1] - before.at(0.0)[1] == pytest.approx(0.3 * strain**2, abs=1e-12)
+    assert changed.cells[-1].at(0.0)[0] > law.cells[-1].at(0.0)[0]
+
+
+def test_a_bar_has_its_height(law: ArmLaw) -> None:
+    """EI = E b h^3 / 12 and EA = E b h give h."""
+    cell = law.cells[-1]
+    bending, axial = (np.interp(0.0, cell.moment, values) for values in (cell.rigidity, cell.axial_rigidity))
+    assert order_of_strain(cell)[1] ** 2 == pytest.approx(12.0 * bending / axial)
+
+
+def test_slopes_by_the_pressure_follow() -> None:
+    """Rigidities that do not depend on the pressure: between two pressures the change is that of a square."""
+    bars = law_of(*(straight_law(pressure, EA=60.0) for pressure in (0.0, 10.0, 20.0)))
+    changed = bars.with_second_order(2.0, 0.3)
+    for pressure in (4.0, 13.0):
+        section, last = changed.at(pressure).section, changed.at(20.0).section
+        square = (pressure / 20.0) ** 2
+        assert section.kappa_0 == pytest.approx(last.kappa_0 * square, rel=1e-6)
+        longer = [float(np.interp(0.0, one.moment, one.stretch)) - 1.0 for one in (section, last)]
+        assert longer[0] == pytest.approx(longer[1] * square, rel=1e-6)
+
+
+def test_it_commutes_with_other_moduli(law: ArmLaw) -> None:
+    one, other = law.scaled(0.8).with_second_order(0.5, 0.3), law.with_second_order(0.5, 0.3).scaled(0.8)
+    for first, second in zip(one.cells, other.cells, strict=True):
+        assert np.allclose(first.kappa, second.kappa, rtol=1e-12)
+        assert np.allclose(first.moment_by_pressure, second.moment_by_pressure, rtol=1e-9)
+        assert np.allclose(first.stretch, second.stretch, rtol=1e-12)
+
+
+def test_what_is_no_number_is_refused(law: ArmLaw) -> None:
+    with pytest.raises(RodError, match="second order"):
+        law.with_second_order(float("nan"), 0.0)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import pneurod
-from pipeline.answers.rods.budget import Budget, budget_of, budget_page, budget_panels, make_budgets
+from pipeline.answers.rods.budget import Budget, budget_of, budget_page, make_budgets
 from pipeline.api.frames import budget_frame, sensitivities_frame
 from pipeline.config import units
 from pipeline.config.load import load_config
@@ -128,18 +128,6 @@ def test_the_budget_is_a_table_in_per_cent() -> None:
     assert table.tolerance_of.to_list() == [*(row.parameter for row in found.rows), "all"]
     assert table.tip_percent.iloc[-1] == pytest.approx(100.0 * found.total("tip"))
     assert str(table).splitlines()[0].split() == table.columns.to_list()
-
-
-def test_bars_have_a_colour_per_pressure_and_the_largest_contribution_first() -> None:
-    budgets = make_budgets(scaled_law(), Tolerances(), [17.0, 27.0, 37.0], 0.0)
-    for panel in budget_panels(budgets):
-        traces = [trace for line in panel.lines for trace in line.traces()]
-        assert [trace["name"] for trace in traces] == ["17 kPa", "27 kPa", "37 kPa"]
-        assert [trace["meta"]["frame"] for trace in traces] == ["17 kPa", "27 kPa", "37 kPa"]
-        assert len({trace["marker"]["color"] for trace in traces}) == 3
-        assert traces[0]["x"] == traces[1]["x"] == traces[2]["x"]
-        largest = np.max([trace["y"] for trace in traces], axis=0).tolist()
-        assert largest == sorted(largest, reverse=True)
 
 
 def test_a_law_without_derivatives_has_no_budget() -> None:

@@ -133,7 +133,6 @@ def test_relaxing_rubber_damps_an_export_as_at_its_first_vibration(tmp_path: Pat
     folder = copy_with(tmp_path / "arm", "parameters.json", lambda content: content["material"].update(branch))
     out = done("export", str(folder), "--to", target)
     told = re.search(r"Damping: loss factor ([\d.]+) at the first vibration", out)
-    assert told is not None
     frequency = float(pneurod.read_results(folder).frequencies["frequency_1_Hz"].mean())
     assert float(told[1]) == pytest.approx(float(Relaxation((0.3,), (0.5,)).loss_factor(frequency)), rel=0.25)
     assert f"Higher vibrations lose {above} there than the rubber" in out
@@ -163,10 +162,6 @@ def test_every_law_that_pneurod_material_fits_is_run_and_exported(tmp_path: Path
             assert found or target in ("csv", "json")
 
 
-def _without_density(content: dict[str, Any]) -> None:
-    content["mass_g"] = content["material"]["density_tonne_mm3"] = None
-
-
 def test_a_law_that_turns_against_its_moment_cannot_be_a_chain(tmp_path: Path) -> None:
     def change(content: dict[str, Any]) -> None:
         for curve in content["clamp"]["curves"]:
@@ -191,14 +186,12 @@ def test_the_section_of_a_body_is_that_of_its_mesh(tmp_path: Path) -> None:
     folder = tmp_path / "arm"
     shutil.copytree(COARSE, folder)
     round_one = solid_of(read_results(folder))
-    assert round_one is not None
     assert round_one.section.width == pytest.approx(2.0 * round_one.radius)
     # half a box of 112 x 10 x 6 mm in five tetrahedra, from y = -2 mm on
     corners = np.array([[x, y, z] for x in (0.0, 112.0) for y in (-2.0, 8.0) for z in (0.0, 3.0)])
     tetrahedra = [[0, 1, 2, 4], [3, 1, 2, 7], [5, 1, 4, 7], [6, 2, 4, 7], [1, 2, 4, 7]]
     write_fields(folder / "mesh.vtu", corners, np.array(tetrahedra))
     solid = solid_of(read_results(folder))
-    assert solid is not None
     height = read_results(folder).curves_of("II")[0]["y_mm"][0]
     section = solid.section
     assert (section.low, section.high, section.width) == pytest.approx((-2.0 - height, 8.0 - height, 6.0))

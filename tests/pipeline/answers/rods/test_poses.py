@@ -48,8 +48,6 @@ def slide(hand: Locator, pressure: float) -> None:
 def drag(page: Page, x: float, y: float) -> None:
     """The tip, by parts of the width of the picture."""
     box, picture = page.locator(".tip circle").last.bounding_box(), page.locator(".hand svg").bounding_box()
-    assert box is not None
-    assert picture is not None
     at = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     page.mouse.move(*at)
     page.mouse.down()

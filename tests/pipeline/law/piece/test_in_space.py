@@ -100,15 +100,6 @@ def test_the_rigidities_stand_in_the_file_and_follow_the_moduli(law: ArmLaw) -> 
     assert _lift(soft) == pytest.approx(2.0 * _lift(rod), rel=1e-6)
 
 
-def test_the_table_has_the_rigidities_without_moment(law: ArmLaw) -> None:
-    table = space_table(law, LawMeshError())
-    ((pressure, bending, _, torsion, *_),) = table.rows
-    assert float(pressure) == PRESSURE
-    cell = law.cells[0]
-    assert cell.lateral_rigidity.min() * 0.999 <= float(bending) <= cell.lateral_rigidity.max() * 1.001
-    assert cell.torsional_rigidity.min() * 0.999 <= float(torsion) <= cell.torsional_rigidity.max() * 1.001
-
-
 def test_a_law_of_the_plane_alone_says_nothing_of_space(law: ArmLaw) -> None:
     nothing = dict.fromkeys(IN_SPACE, np.empty(0))
     planar = replace(law, cells=(replace(law.cells[0], **nothing),))

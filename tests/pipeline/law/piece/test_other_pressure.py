@@ -118,7 +118,6 @@ def test_a_body_from_a_step_file_takes_pairs(tmp_path: Path) -> None:
     path = tmp_path / "bar.yaml"
     path.write_text(f"{text}pressures: [[10 kPa, 4 kPa], [4 kPa, 10 kPa]]\nmesh: {{size: 6 mm}}\n", encoding="utf-8")
     spec = read_pairs(read_document(path))
-    assert spec is not None
     assert spec.cavities == ("upper", "lower")
     one, other = (
         cell_without_moment(ArmPieces(spec.config(direction, pressures), None).cell, PRESSURE)

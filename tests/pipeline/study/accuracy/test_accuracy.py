@@ -53,12 +53,10 @@ def test_the_limit_is_that_of_infinitely_many_degrees_of_freedom() -> None:
     sizes = [20_000, 40_000, 80_000, 160_000]
     steady = [(n, 10.0 + 50.0 * n ** (-2 / 3)) for n in sizes]
     single = limit([dict(steady)])
-    assert single is not None
     assert single.value == pytest.approx(10.0, abs=2 * single.std)
     assert single.std < 0.2 * (steady[-1][1] - 10.0) + 0.02
     other = [(n, value + 0.3) for n, value in steady]
     both = limit([dict(steady), dict(other)])
-    assert both is not None
     assert both.std > single.std
     assert both.std >= 0.15 * 0.99
     assert limit([dict(steady[:1])]) is None
@@ -130,11 +128,9 @@ def test_errors_of_a_made_up_study(study: ConvergenceStudy) -> None:
     for references in study.references:
         for name, value in EXACT.items():
             reference = references.numbers[name]
-            assert reference is not None
             assert reference.value == pytest.approx(value, rel=5e-3)
             assert reference.value == pytest.approx(value, abs=2 * reference.std)
     [base] = [row for row in study.rows if (row.series, row.value) == ("p2p0", 4.0)]
-    assert base.result.cost is not None
     expected = 1000.0 / base.result.cost.degrees_of_freedom + 0.5 * CONTACT_MM
     assert base.largest_error == pytest.approx(expected, abs=5e-3)
     by_distance = {row.value: row.largest_error for row in study.rows if row.series == CONTACT}
@@ -153,7 +149,6 @@ def test_meshes_with_a_single_line_are_left_out_of_the_reference_of_two(config: 
     for references in convergence_study(config, results, CONTACT_MM).references:
         for name in ("alpha1_N_mm2", "alpha2_N_mm2"):
             reference = references.numbers[name]
-            assert reference is not None
             assert reference.value == pytest.approx(EXACT[name], rel=1e-3)
             assert reference.std < 0.011 * EXACT[name]  # of the contact distance; with the coarse meshes 0.4
 
@@ -174,7 +169,6 @@ def test_the_reference_belongs_to_the_law_of_most_meshes(config: Config, single:
     for references in convergence_study(config, results, CONTACT_MM).references:
         for name in ("alpha1_N_mm2", "alpha2_N_mm2", "d_mm"):
             reference = references.numbers[name]
-            assert reference is not None
             assert reference.value == pytest.approx(EXACT[name], rel=5e-3)
 
 
@@ -237,7 +231,6 @@ def test_orders_belong_to_the_law_of_the_finest_mesh(config: Config) -> None:
     meshes = []
     for rung in rungs:
         result = single_line(made_up(rung)) if rung.value == coarsest else made_up(rung)
-        assert result.cost is not None
         meshes.append((result.cost.degrees_of_freedom, result.numbers[0]))
     orders = orders_along(meshes)
     assert {name: order.meshes for name, order in orders.items()} == dict(zip(HEADLINE, (5, 4, 5), strict=True))
@@ -267,9 +260,6 @@ def test_a_small_study_is_solved_and_resumed(configs: Path, tmp_path: Path, monk
     assert [row["headline"] for row in written["rungs"]] == [row.largest_error for row in study.rows]
     assert (tmp_path / "accuracy.html").is_file()
     coarse, fine, linear = (row.result.cost for row in study.rows)
-    assert coarse is not None
-    assert fine is not None
-    assert linear is not None
     assert coarse.degrees_of_freedom < fine.degrees_of_freedom
     assert 2 * linear.degrees_of_freedom < coarse.degrees_of_freedom
     errors = [row.largest_error for row in study.rows]

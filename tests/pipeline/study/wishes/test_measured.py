@@ -1,4 +1,4 @@
-"""The wanted numbers of designs, and their derivatives by what is free."""
+"""The file of a wish, the wanted numbers of designs, and their derivatives by what is free."""
 
 from pathlib import Path
 
@@ -10,7 +10,8 @@ from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from pipeline.study.wishes.measured import MovedMesh, NotBorne, store_of
 from pipeline.study.wishes.spec import read_wishes
-from pipeline.study.wishes.wish import WishFile, exact_limits
+from pipeline.study.wishes.step import check_feasible
+from pipeline.study.wishes.wish import WishFile, exact_limits, rounded
 
 CONFIGS = Path(__file__).resolve().parent.parent.parent.parent.parent / "configs"
 SMALL = f"""
@@ -92,3 +93,32 @@ def test_curves_of_a_design_are_kept_by_its_values_and_mesh(tmp_path: Path) -> N
             assert of_run.numbers_key == stores[0].numbers_key  # a run takes its curves
     limits = exact_limits(file.wishes, configs[0])
     assert limits["smallest_wall"] == pytest.approx((0.5 / configs[0].design.thinnest_wall, 1.0))
+
+
+def test_a_file_is_complete_values(tmp_path: Path) -> None:
+    file = small(tmp_path)
+    wishes = file.wishes
+    assert wishes.dimensions == ("geometry.wall", "geometry.base")
+    assert wishes.start.tolist() == [1.0, 2.0, 22.5]  # of the base, and the middle of a pressure
+    assert wishes.pressures_kPa(wishes.start) == (20.0, 22.5)
+    assert [len(part) for part in wishes.parts(np.arange(6.0))] == [1, 2, 1, 1, 1]
+    kappa_0, tip = wishes.wishes[:2]
+    assert (kappa_0.target, kappa_0.within) == ((-6e-4,), pytest.approx(1.2e-5))
+    found = np.concatenate([wishes.targets[:1], [40.0, -4.0], wishes.targets[3:]])
+    assert wishes.misses(found) == pytest.approx([0.0, 2.0, 0.0, 0.0, 0.0])
+    assert tip.text(tip.target) == "(40, -2) mm"
+    config = file.config(rounded(np.array([1.23456789, 2.0, 25.0])))
+    assert config.design.dimensions["wall"] == 1.23457
+    assert config.pressures_kPa == (20.0, 25.0)
+    assert config.end.y_mm == 0.0
+    assert config.name == "small"
+    loaded = small(tmp_path, SMALL.replace("0.1 deg}", "0.1 deg, under: {force: [0 N, -0.1 N]}}")).wishes.wishes[2]
+    assert loaded.under.force == (0.0, -0.1)
+    assert loaded.name == "angle at grip under force [0 N, -0.1 N]"
+
+
+def test_a_wish_within_the_tolerance_of_another_one_and_wide_limits_are_feasible(tmp_path: Path) -> None:
+    check_feasible(small(tmp_path))
+    check_feasible(
+        small(tmp_path, SMALL.replace("limits:", "  - {kappa_0: -0.62 1/m, at: 20 kPa, within: 2 %}\nlimits:"))
+    )
