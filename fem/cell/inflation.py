@@ -17,7 +17,7 @@ from typing import final
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from fem.cell.piece import BendingPiece, PieceFailed, PieceState
+from fem.cell.piece import ROUGH, BendingPiece, PieceFailed, PieceState
 from fem.cell.response import slopes
 from fem.equations.linear import SingularMatrix
 from fem.equations.state import State
@@ -135,7 +135,7 @@ def bent(
         target = angle if part == 1.0 else at.angle + part * (angle - at.angle)
         near = extrapolate(before, last, target) or predicted
         try:
-            reached = piece.solve_near(start.pressure, target, near, at)
+            reached = piece.solve_near(start.pressure, target, near, at, rough=ROUGH * (target != angle))
         except PieceFailed:
             allowed = SHRINKS * min(allowed, abs(log(piece.volume(near) / piece.volume(at.state))))
             if allowed < LEAST_BENT:
@@ -205,16 +205,18 @@ class FreePoint:
         return PathPoint(self.air, 1.0, self.state.state, self.state.touches, self.rate)
 
 
-def free_at(piece: BendingPiece, air: float, before: FreePoint | None, last: FreePoint) -> tuple[FreePoint, float]:
+def free_at(
+    piece: BendingPiece, air: float, before: FreePoint | None, last: FreePoint, *, rough: float = 0.0
+) -> tuple[FreePoint, float]:
     """The piece at another volume, ln V, about without moment, and how far it is from the predicted state.
 
-    Raises `PieceFailed`.
+    rough: as in `BendingPiece.solve_near`. Raises `PieceFailed`.
     """
     step = air - last.air
     bend = 0.0 if before is None else (last.turn - before.turn) / (last.air - before.air)
     angle = last.state.angle + last.lack + step * (last.turn + 0.5 * step * bend)
     predicted = extrapolate(None if before is None else before.path_point, last.path_point, air) or last.state.state
-    state = piece.solve_at_volume(exp(air), angle, predicted, last.state)
+    state = piece.solve_at_volume(exp(air), angle, predicted, last.state, rough)
     return FreePoint.of(piece, state), difference(state.state, predicted)
 
 
@@ -227,7 +229,7 @@ def _followed(piece: BendingPiece) -> Iterator[FreePoint]:
         spent, reached = piece.factorizations, last
         while last is reached:
             try:
-                point, error = free_at(piece, last.air + step, before, last)
+                point, error = free_at(piece, last.air + step, before, last, rough=ROUGH)
             except PieceFailed:
                 step *= SHRINKS
                 if step < SMALLEST:

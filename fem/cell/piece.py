@@ -57,7 +57,9 @@ SWOLLEN = 2.5
 #: rad, difference of angles of one and the same state
 SAME_ANGLE = 1e-12
 #: Newton's tolerance, finer than that of a load path: slopes of the moment are taken of the states
-OPTIONS = NewtonOptions(tolerance=1e-6, reuses=True)
+OPTIONS = NewtonOptions(tolerance=1e-6, limited=2, reuses=True)
+#: relative residual of states that only lead to others
+ROUGH = 1e-4
 
 
 class PieceFailed(FailedForReasons):
@@ -253,29 +255,32 @@ class BendingPiece:
         start: PieceState,
         gives_up: bool = True,
         final: float | None = None,
+        rough: float = 0.0,
     ) -> PieceState:
         """Equilibrium at a pressure in MPa and an angle in rad near a predicted state; nothing else is tried.
 
         start: the state of this piece that it was predicted from, which tells how stiff its contact is. gives_up:
         whether Newton's method ends early, where the tangent is indefinite too. final: MPa, the pressure to which the
-        way leads, for the sentence; None for `pressure`. Raises `PieceFailed`.
+        way leads, for the sentence; None for `pressure`. rough: as in `NewtonOptions`. Raises `PieceFailed`.
         """
         iterations = PREDICTED_ITERATIONS if gives_up else None
         try:
             at = Start(predicted, start.terms, iterations, gives_up)
-            return self._solve_directly(self._under(pressure), angle, at)
+            return self._solve_directly(self._under(pressure), angle, at, rough)
         except StepFailed as failure:
             target = pressure if final is None else final
             raise PieceFailed(self._where(pressure, angle, target), *failure.reasons) from None
 
-    def solve_at_volume(self, volume: float, angle: float, predicted: State, start: PieceState) -> PieceState:
+    def solve_at_volume(
+        self, volume: float, angle: float, predicted: State, start: PieceState, rough: float = 0.0
+    ) -> PieceState:
         """Equilibrium at a `volume` of the air in mm3 and an angle in rad near a predicted state, stable or not.
 
-        start: as in `solve_near`. Raises `PieceFailed`.
+        start, rough: as in `solve_near`. Raises `PieceFailed`.
         """
         try:
             at = Start(predicted, start.terms, PREDICTED_ITERATIONS)
-            return self._solve_directly(self.air.target(volume / self.whole, 1.0), angle, at)
+            return self._solve_directly(self.air.target(volume / self.whole, 1.0), angle, at, rough)
         except StepFailed as failure:
             times = volume / self.volume(self.rest().state)
             values: Values = {"piece": self.name, "times": times, "kappa_per_mm": angle / self.body.length}
@@ -335,10 +340,11 @@ class BendingPiece:
         if constraints is not self._system.constraints:
             self._system.replace_constraints(constraints)
 
-    def _solve_directly(self, control: Control, angle: float, start: Start) -> PieceState:
+    def _solve_directly(self, control: Control, angle: float, start: Start, rough: float = 0.0) -> PieceState:
         """By Newton's method, and again with stiffer contact where walls overlap."""
         self._constrain(angle)
-        spent, options = 0, replace(OPTIONS, carries=not self.is_swollen(self.volume(start.state)))
+        carries = not self.is_swollen(self.volume(start.state))
+        spent, options = 0, replace(OPTIONS, rough=rough, carries=carries)
         while True:
             converged = solve(start, control, options, lambda iteration, residual: None)
             spent += converged.iterations

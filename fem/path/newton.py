@@ -57,6 +57,7 @@ class NewtonOptions:
     #: whether the strain is an unknown of its own; without, a body that stretches far more than it turns takes less
     carries: bool = True
     reuses: bool = False  #: whether the last iterations use the factor of the one before again, under a prescribed load
+    rough: float = 0.0  #: relative residual at which a state is taken that only leads to others
 
 
 @dataclass(frozen=True)
@@ -128,11 +129,11 @@ def solve(
         watch(iteration, relative)
         is_at_target = not np.any(correction) and abs(control.residual(state)) < options.tolerance
         sharper = ROUNDED if relative > KEPT * last else SHARPER
-        is_near = relative < options.tolerance * (sharper if again and iteration < most else 1.0)
+        is_near = relative < max(options.rough, options.tolerance * (sharper if again and iteration < most else 1.0))
         if is_near and is_at_target and (iteration or not start.iterates):
             consistent, exact = system.settled(state, settled(terms))
             relative = _relative_residual(system, exact)
-            if relative < options.tolerance:
+            if relative < max(options.rough, options.tolerance):
                 return Converged(consistent, exact, iteration - reused, relative, linearised)
         if relative < NEAR and smallest_gap(inactive, system.space.points + state.displacement) < 0:
             return Converged(state, assembly, iteration - reused, relative, linearised)
