@@ -24,7 +24,7 @@ from fem.cell.boundary import BOUNDARY_NAMES, UPRIGHT, Boundary, supports_of
 from fem.cell.mirror_contact import MirrorContact, gap_and_touch, tightened
 from fem.discretisation import Discretisation
 from fem.effects.contact import SelfContact
-from fem.effects.effect import Effect, Terms, near_pairs
+from fem.effects.effect import Effect, Terms, near_pairs, settled, stressed
 from fem.effects.loads import PressureTerm
 from fem.effects.membrane import StrainLimitingLayer
 from fem.effects.mirror_layer import MirroredLayer
@@ -265,7 +265,7 @@ class BendingPiece:
         """
         iterations = PREDICTED_ITERATIONS if gives_up else None
         try:
-            at = Start(predicted, start.terms, iterations, gives_up)
+            at = Start(predicted, self._stressed(start), iterations, gives_up)
             return self._solve_directly(self._under(pressure), angle, at, rough)
         except StepFailed as failure:
             target = pressure if final is None else final
@@ -279,12 +279,17 @@ class BendingPiece:
         start, rough: as in `solve_near`. Raises `PieceFailed`.
         """
         try:
-            at = Start(predicted, start.terms, PREDICTED_ITERATIONS)
+            at = Start(predicted, self._stressed(start), PREDICTED_ITERATIONS)
             return self._solve_directly(self.air.target(volume / self.whole, 1.0), angle, at, rough)
         except StepFailed as failure:
             times = volume / self.volume(self.rest().state)
             values: Values = {"piece": self.name, "times": times, "kappa_per_mm": angle / self.body.length}
             raise PieceFailed(Reason("no_piece_at_volume", values), *failure.reasons) from None
+
+    def _stressed(self, at: PieceState) -> Terms:
+        """The terms with the stress of a state: that of a sheet at a predicted one is mostly of its rounding."""
+        x = self.space.points + at.state.displacement
+        return stressed(at.terms, x, np.zeros_like(x))
 
     def _under(self, pressure: float) -> LoadControl:
         return LoadControl.of(self._system).target(pressure, 1.0)
@@ -364,7 +369,7 @@ class BendingPiece:
             spent,
             converged.negative_pivots,
             converged.state,
-            start.terms,
+            settled(start.terms),
         )
 
     def where(self, at: PieceState, target: float | None = None) -> Reason:
