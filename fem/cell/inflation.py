@@ -94,7 +94,8 @@ def unloaded(
         target = min(1.0, fraction + increment)
         predicted = _inflation_start(points, target, extrapolates)
         try:
-            last = piece.solve_near(target * pressure, target * angle, predicted, last, fraction > 0.0, pressure)
+            at, rough = (target * pressure, target * angle), ROUGH * (target < 1.0)
+            last = piece.solve_near(*at, predicted, last, fraction > 0.0, pressure, rough)
         except PieceFailed:
             if swells(piece, last, pressure):
                 return along_air(piece, pressure)

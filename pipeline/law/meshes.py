@@ -18,6 +18,7 @@ from fem.cell.lateral import lateral_rigidities
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.elements import MOST_ACCURATE
 from fem.equations.linear import SingularMatrix
+from fem.equations.state import State
 from fem.post.mapped import fields_of, mapped, moved
 from geometry import Reason
 from geometry.arrays import Array
@@ -276,34 +277,39 @@ class _Mapped:
         rest where nothing is mapped.
         """
         piece, rest, failures = self.piece, self.piece.rest(), FEW_FAILURES if self.change else MAX_FAILURES
-        start = rest.state
-        with suppress(PieceFailed):
-            if self.change:
-                slope, turn = float(self.moment[1]), -float(self.moment[0] / self.moment[1])
-                fields = self.fields[0] + turn / self.change * (self.fields[1] - self.fields[0])
-                start, first = moved(piece.system, rest.state, fields, self.pressure), float(self.angles[0]) + turn
+        starts, swells = list[State](), False
+        if self.change:
+            slope, turn = float(self.moment[1]), -float(self.moment[0] / self.moment[1])
+            fields = self.fields[0] + turn / self.change * (self.fields[1] - self.fields[0])
+            first, smooth = float(self.angles[0]) + turn, moved(piece.system, rest.state, fields, self.pressure)
+            swells = piece.is_swollen(piece.volume(smooth))
+            # far stretched walls have strains that are not smooth on any mesh
+            starts = [smooth, piece.system.state_at(smooth.displacement, self.pressure)][swells:]
+        for start in starts:
+            with suppress(PieceFailed):
                 at = piece.solve_near(self.pressure, first, start, rest) if self.pressure else rest
                 with stable(piece, at):
                     if abs(at.moment / slope) <= close:
                         return at, slope
                 point = without_moment(piece, at, CellPoint.of, close)
                 return point.state, point.slopes.moment_by_angle
-        if piece.is_swollen(piece.volume(start)):
-            at = along_air(piece, self.pressure)
-        else:
-            at = unloaded(piece, self.pressure, angle, failures=failures)
+        at = along_air(piece, self.pressure) if swells else unloaded(piece, self.pressure, angle, failures=failures)
         point = cell_without_moment(piece, self.pressure, at)
         return point.state, point.slopes.moment_by_angle
 
     def bent(self, number: int, angle: float, at: PieceState, start: PieceState) -> PieceState:
         """The state of that number at an angle in rad, by the mapped way, else from `start`."""
-        if self.angles[number] == self.angles[0]:
-            if self.piece.is_swollen(self.piece.volume(start.state)):
-                return bent(self.piece, angle, start, None, CellPoint.of(self.piece, start).path_point)
-            return self.piece.solve(self.pressure, angle, start)
-        part = (angle - at.angle) / float(self.angles[number] - self.angles[0])
-        change = part * (self.fields[number] - self.fields[0])
-        return self.piece.solve(self.pressure, angle, start, moved(self.piece.system, at.state, change, self.pressure))
+        predicted = None
+        if self.angles[number] != self.angles[0]:
+            part = (angle - at.angle) / float(self.angles[number] - self.angles[0])
+            change = part * (self.fields[number] - self.fields[0])
+            predicted = moved(self.piece.system, at.state, change, self.pressure)
+        if not self.piece.is_swollen(self.piece.volume(start.state)):
+            return self.piece.solve(self.pressure, angle, start, predicted)
+        with suppress(PieceFailed):
+            if predicted:
+                return self.piece.solve_near(self.pressure, angle, predicted, start)
+        return bent(self.piece, angle, start, None, CellPoint.of(self.piece, start).path_point)
 
     def straight(self, at: PieceState, further: PieceState, *, far: bool) -> PieceState:
         """The straight cell; of one that swells the state that is bent further, where it is not stable when straight.
