@@ -56,9 +56,11 @@ PREDICTED_ITERATIONS = 12
 SWOLLEN = 2.5
 #: rad, difference of angles of one and the same state
 SAME_ANGLE = 1e-12
-#: Newton's tolerance, finer than that of a load path: slopes of the moment are taken of the states. Of 134 attempts at
-#: a swollen cell those that led anywhere had at most 2 iterations with a limited strain
-OPTIONS = NewtonOptions(tolerance=1e-6, limited=2, reuses=True)
+#: Newton's tolerance, finer than that of a load path: slopes of the moment are taken of the states
+OPTIONS = NewtonOptions(tolerance=1e-6, reuses=True)
+#: largest number of iterations with a limited strain at a pressure near a predicted state: of 142 attempts at a swollen
+#: cell those that led anywhere had at most 2. With a prescribed volume a thin sheet takes more where it kinks
+LIMITED = 2
 #: relative residual of states that only lead to others
 ROUGH = 1e-4
 
@@ -267,7 +269,9 @@ class BendingPiece:
         iterations = PREDICTED_ITERATIONS if gives_up else None
         try:
             at = Start(predicted, self._stressed(start), iterations, gives_up)
-            return self._solve_directly(self._under(pressure), angle, at, rough)
+            return self._solve_directly(
+                self._under(pressure), angle, at, replace(OPTIONS, limited=LIMITED, rough=rough)
+            )
         except StepFailed as failure:
             target = pressure if final is None else final
             raise PieceFailed(self._where(pressure, angle, target), *failure.reasons) from None
@@ -281,7 +285,8 @@ class BendingPiece:
         """
         try:
             at = Start(predicted, self._stressed(start), PREDICTED_ITERATIONS)
-            return self._solve_directly(self.air.target(volume / self.whole, 1.0), angle, at, rough)
+            target = self.air.target(volume / self.whole, 1.0)
+            return self._solve_directly(target, angle, at, replace(OPTIONS, rough=rough))
         except StepFailed as failure:
             times = volume / self.volume(self.rest().state)
             values: Values = {"piece": self.name, "times": times, "kappa_per_mm": angle / self.body.length}
@@ -346,11 +351,12 @@ class BendingPiece:
         if constraints is not self._system.constraints:
             self._system.replace_constraints(constraints)
 
-    def _solve_directly(self, control: Control, angle: float, start: Start, rough: float = 0.0) -> PieceState:
+    def _solve_directly(
+        self, control: Control, angle: float, start: Start, options: NewtonOptions = OPTIONS
+    ) -> PieceState:
         """By Newton's method, and again with stiffer contact where walls overlap."""
         self._constrain(angle)
-        carries = not self.is_swollen(self.volume(start.state))
-        spent, options = 0, replace(OPTIONS, rough=rough, carries=carries)
+        options, spent = replace(options, carries=not self.is_swollen(self.volume(start.state))), 0
         while True:
             converged = solve(start, control, options, lambda iteration, residual: None)
             spent += converged.iterations
