@@ -101,8 +101,8 @@ def material_of(configs: Path, *overrides: str) -> Material:
 def test_branches_and_a_band_are_read_with_their_units(configs: Path) -> None:
     given = material_of(
         configs,
-        "material_of.relaxation=[{g: 0.08, tau: 900 ms}, {g: 0.02, tau: 2 min}]",
-        "material_of.loss_factor={value: 0.12, from: 1 Hz, to: 10 Hz}",
+        "material.relaxation=[{g: 0.08, tau: 900 ms}, {g: 0.02, tau: 2 min}]",
+        "material.loss_factor={value: 0.12, from: 1 Hz, to: 10 Hz}",
     )
     assert given.relaxation == (Branch(0.08, 0.9), Branch(0.02, 120.0))
     assert (given.loss_factor, given.loss_between_Hz) == (0.12, (1.0, 10.0))
@@ -112,11 +112,11 @@ def test_branches_and_a_band_are_read_with_their_units(configs: Path) -> None:
 
 
 def test_one_branch_needs_no_list(configs: Path) -> None:
-    assert material_of(configs, "material_of.relaxation={g: 0.08, tau: 0.9 s}").relaxation == (Branch(0.08, 0.9),)
+    assert material_of(configs, "material.relaxation={g: 0.08, tau: 0.9 s}").relaxation == (Branch(0.08, 0.9),)
 
 
 def test_the_modulus_is_that_at_long_times(configs: Path) -> None:
-    plain, slow = material_of(configs), material_of(configs, "material_of.relaxation={g: 0.5, tau: 1 s}")
+    plain, slow = material_of(configs), material_of(configs, "material.relaxation={g: 0.5, tau: 1 s}")
     assert slow.built().young_modulus == plain.built().young_modulus
 
 

@@ -266,7 +266,7 @@ def test_a_strain_without_a_unit_is_read_and_named(largest: float, unit: str, tm
     [test] = read_file(written(tmp_path, table("strain,stress (MPa)", rows)))
     assert test.strain[-1] == pytest.approx(3.0)
     assert test.notes == (
-        f"{tmp_path / 'pull.csv'}: column 'strain' has no unit and reaches {largest:g}; it is read_file in {unit}",
+        f"{tmp_path / 'pull.csv'}: column 'strain' has no unit and reaches {largest:g}; it is read in {unit}",
     )
 
 
@@ -284,7 +284,7 @@ def test_several_tests(tmp_path: Path) -> None:
     alone = written(tmp_path, table(HEADER, GOOD), "alone.csv")
     named = read_tensile([both, alone], Specimen(), Selection())
     assert [test.name for test in named] == ["both A", "both B", "alone"]
-    with pytest.raises(InputError, match=r"both\.csv: test 'both A' was read_file already; give every test once"):
+    with pytest.raises(InputError, match=r"both\.csv: test 'both A' was read already; give every test once"):
         read_tensile([both, both], Specimen(), Selection())
 
 

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rod_at.load import Load
 
 import pneurod
 from pipeline.answers.rods import end_loads
 from pipeline.answers.rods.choice import rod_of_path
 from pipeline.results.laws import law_record
 from rod import Loading, PointLoad, RodError, Support
+from rod.load import Load
 from tests.coarse import COARSE, copy_with
 from tests.commands import done, refused
 from tests.rod.arm_law.test_spatial import law_of_straight, straight
@@ -123,7 +123,7 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def rod_at(path: Path, *options: str) -> str:
-    return done("rod_at", str(path), "--pressure", "10 kPa", *options)
+    return done("rod", str(path), "--pressure", "10 kPa", *options)
 
 
 def test_three_components_give_the_rod_in_space(file: Path, tmp_path: Path) -> None:
@@ -154,10 +154,10 @@ def test_a_planar_shape_that_buckles_sideways_is_kept_and_said(file: Path) -> No
 
 @pytest.mark.parametrize(
     ("kind", "sentence"),
-    [("law", "measure it with law_in_space: true"), ("five", "A rod_at with five parameters stays in its plane")],
+    [("law", "measure it with law_in_space: true"), ("five", "A rod with five parameters stays in its plane")],
 )
 def test_a_rod_without_rigidities_out_of_its_plane_is_refused(kind: str, sentence: str) -> None:
-    command = ("rod_at", str(COARSE), "--pressure", "37 kPa", "--rod_at", kind, "--force", "[0 N, 0 N, 0.01 N]")
+    command = ("rod", str(COARSE), "--pressure", "37 kPa", "--rod", kind, "--force", "[0 N, 0 N, 0.01 N]")
     assert sentence in refused(*command, status=1)
 
 
