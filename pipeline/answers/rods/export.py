@@ -284,7 +284,8 @@ def judged(robot: Robot, run: Run, law: ArmLaw | None) -> str:
         forces = [math.hypot(*state.force) for state in states if any(state.force)]
         if law is None or forces:
             return _sentence(found, states)
-        return f"{_sentence(found, states)} {_against_rod(robot, law)}"
+        without = "The run has no dead forces at these pressures. " if states else ""
+        return f"{_sentence(found, states)} {without}{_against_rod(robot, law)}"
     except RodError as failure:
         return f"The error of the file is not known: {failure}"
 
@@ -322,6 +323,6 @@ def _against_rod(robot: Robot, law: ArmLaw) -> str:
             apart = chain.curve(turn) - rod.under(Load(force)).positions(chain.s)
             worst = max(worst, float(np.hypot(*apart.T).max()) / robot.length)
     return (
-        "The run has no dead forces at these pressures. Under small tip forces (EI/50l², EI/10l²) the file deviates "
-        f"from its rod by at most {100 * worst:.2g} % of the length."
+        "Under small tip forces (EI/50l², EI/10l²) the file deviates from its rod by at most "
+        f"{100 * worst:.2g} % of the length."
     )
