@@ -88,10 +88,12 @@ def test_small_or_mixed_motions_have_no_sign_to_check(tmp_path: Path) -> None:
         ("pressure_kPa,tip_x_mm,tip_y_mm\n0,0.11,0\n8,0.107,-0.02", ("0.001 times as far from the clamp",)),
         ("pressure_kPa,tip_x_mm,tip_y_mm\n0,4.3,0\n8,4.2,-0.9", ("as far from the clamp", "check the unit")),
         ("pressure_kPa,end_angle_deg\n16,307", ("line 2", "end_angle_deg is a turn off; write it as -53")),
+        ("pressure_kPa,end_angle_deg\n24,76\n36,114", ("line 2", "write the column with a minus sign")),
+        ("pressure_kPa,end_angle_deg\n36,246", ("line 2", "write it as -114")),
         ("pressure_kPa,s_mm,x_mm,y_mm\n4,55,-1,-4\n8,55,-2,-9", ("line 2", "every x_mm", "zero_kPa")),
     ],
 )
-def test_places_out_of_reach(tmp_path: Path, row: str, words: tuple[str, ...]) -> None:
+def test_numbers_that_no_such_arm_has(tmp_path: Path, row: str, words: tuple[str, ...]) -> None:
     numbers = read(tmp_path / "arm.csv", f"{row}\n")
     found = refusals(numbers)
     assert [word for word in words if word not in "".join(found)] == []
