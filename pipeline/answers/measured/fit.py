@@ -86,7 +86,7 @@ def effects_on(arm: BuiltArm, numbers: Numbers, changes: Array | None = None) ->
     at = np.zeros(len(arm.unknowns)) if changes is None else changes
 
     def of(more: Array) -> Array:
-        highest = numbers.pressures.max()
+        highest = min(numbers.pressures.max(), arm.end_kPa(at))
         if arm.end_kPa(at + more[:-1]) < (1.0 - ROUNDING) * highest:  # the other side of the quotient is taken
             raise InputError(f"{numbers.measurements.file}: {highest:g} kPa is beyond the law of so soft an arm")
         return numbers_of(arm, numbers, at + more[:-1], math.exp(more[-1]))
@@ -174,7 +174,25 @@ def _improved(arm: BuiltArm, numbers: Numbers, fitted: Gaussian, lowest: float) 
         by_unknown = effects_on(arm, numbers, changes).by_unknown
         return np.vstack([-solve_triangular(factor, by_unknown, lower=True), np.diag(1.0 / stds)])
 
-    least, start = np.full(len(stds), -np.inf), np.array(fitted.changes)
-    least[0], start[0] = lowest, max(start[0], lowest)
+    start = np.array(fitted.changes)
+    start[0] = max(start[0], lowest)
+    least, most = (_bound(arm, start, side) for side in (-1.0, 1.0))
+    least[0] = lowest
     how = {"method": "dogbox", "xtol": 1e-3, "ftol": 1e-4, "max_nfev": 6}  # "trf" does not leave a bound at the start
-    return least_squares(residual, start, slopes, (least, np.inf), x_scale=stds, **how).x
+    return least_squares(residual, start, slopes, (least, most), x_scale=stds, **how).x
+
+
+def _bound(arm: BuiltArm, changes: Array, side: float) -> Array:
+    """(k,) how far the unknowns may go to a side: not on where the arm then has no law, as one that becomes too short.
+
+    Asked where difference quotients are taken, whose arms are kept.
+    """
+    bound = np.full(len(changes), side * np.inf)
+    for k, unknown in enumerate(arm.unknowns):
+        beside = changes.copy()
+        beside[k] += side * PART * unknown.std_before
+        try:
+            arm.changed_rods(beside)(arm.law.pressures[0])
+        except RodError:
+            bound[k] = changes[k]
+    return bound

@@ -13,6 +13,7 @@ import pytest
 from scipy.stats import multivariate_t
 
 import pneurod
+from geometry.arrays import Array
 from pipeline.answers.measured.calibrate import CalibrationReport, calibrate_files
 from pipeline.answers.measured.compare import compare_files
 from pipeline.answers.measured.fit import _fitted_at, effects_on, fit, numbers_of, off_range, usual_scatter
@@ -34,6 +35,8 @@ from pipeline.answers.rods.choice import choose_rod
 from pipeline.answers.rods.solid import solid_of
 from pipeline.results.files import read_results
 from pipeline.values.errors import InputError
+from rod import RodError
+from rod.arm_law.law import ArmLaw
 from tests.measured_arm import EI, LENGTH, PITCH, arm_law, measured, result_folder, with_body
 
 STATES = [State(p) for p in (4.0, 8.0, 12.0, 16.0)] + [State(16.0, (0.0, 0.02)), State(12.0, held_y_mm=-20.0)]
@@ -142,6 +145,24 @@ def test_a_stiffer_arm_is_fitted_from_rows_up_to_the_end_of_the_law(tmp_path: Pa
     fitted = fit(BuiltArm(law, unknowns), Numbers.of(read_measurements(file)))
     assert abs(fitted.mean[0] - np.log(1.25)) < 2.0 * fitted.stds[0] < 0.5
     assert fitted.step < 0.1
+
+
+def test_an_arm_that_cannot_be_thinner_is_fitted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As one that is as long as its two ends cannot be shorter: every step of the fit would have made it so."""
+    law, changed_law = arm_law(), BuiltArm.changed_law
+    built = law.with_changes({"geometry.wall": -0.05}).scaled(0.8)
+    file = measured(tmp_path / "arm.csv", built, [State(pressure) for pressure in (12.0, 24.0)], 0.05)
+
+    def thick(arm: BuiltArm, changes: Array) -> ArmLaw:
+        if changes[[unknown.name for unknown in arm.unknowns].index("geometry.wall")] < 0.0:
+            raise RodError("too thin")
+        return changed_law(arm, changes)
+
+    monkeypatch.setattr(BuiltArm, "changed_law", thick)
+    unknowns = unknowns_of(law, {"geometry": {}}, ("geometry.wall",), 40.0)
+    fitted = fit(BuiltArm(law, unknowns), Numbers.of(read_measurements(file)))
+    assert abs(fitted.mean[0] - np.log(0.8)) < 2.0 * fitted.stds[0] < 0.5
+    assert fitted.step < 2.0
 
 
 def test_no_row_is_left_out_where_the_law_reaches(tmp_path: Path) -> None:
