@@ -11,6 +11,7 @@ import yaml
 
 from fem.elements import ELEMENTS
 from fem.materials import LAWS
+from pipeline.cli import app
 from pipeline.study.effects.rows import EffectRow
 from pipeline.values.parameters import RodParameters
 from pipeline.values.run import RodError, State
@@ -135,13 +136,6 @@ def test_every_key_of_a_result_file_is_documented(file: str, row: type) -> None:
     assert [key for key in keys if f"`{key}`" not in section] == []
 
 
-def test_every_key_of_effects_table_json_is_documented() -> None:
-    section = text_of(HERE / "docs" / "results.md").partition("### effects_table.json")[2].partition("\n## ")[0]
-    keys = [field.name for field in fields(EffectRow)]
-    assert len(keys) > 20
-    assert [key for key in keys if f"`{key}`" not in section] == []
-
-
 def terms() -> list[str]:
     rows = re.findall(r"^\| ([^|]+) \|", text_of(HERE / "docs" / "glossary.md"), re.MULTILINE)
     return [term.strip(" `") for row in rows if row != "term" for term in row.split(", ")]
@@ -153,23 +147,6 @@ def test_every_term_of_the_glossary_is_used() -> None:
     words = " ".join(" ".join(text_of(path).lower().split()) for path in (*pages, *sources))
     assert len(terms()) > 50
     assert [term for term in terms() if term.lower() not in words] == []
-
-
-@pytest.mark.parametrize("name", LAWS)
-def test_the_page_on_materials_names_every_law(name: str) -> None:
-    assert re.search(rf"\b{name}\b", text_of(HERE / "docs" / "materials.md"))
-
-
-def test_the_documentation_stays_short() -> None:
-    """At most 60 000 words; what was measured in detail is in studies/."""
-    words = sum(len(text_of(page).split()) for page in (HERE / "docs").rglob("*.md"))
-    assert 20_000 < words < 60_000
-
-
-@pytest.mark.parametrize("name", ELEMENTS)
-def test_the_pages_on_theory_and_accuracy_name_every_element(name: str) -> None:
-    for page in ("theory.md", "accuracy.md"):
-        assert f"`{name}`" in text_of(HERE / "docs" / page), page
 
 
 def test_the_citation_has_the_version_of_the_package() -> None:
@@ -191,3 +168,69 @@ def test_docstrings_stand_alone() -> None:
         if begins.match(text := ast.get_docstring(node) or "")
     ]
     assert found == []
+
+
+def test_every_key_of_effects_table_json_is_documented() -> None:
+    section = text_of(HERE / "docs" / "results.md").partition("### effects_table.json")[2].partition("\n## ")[0]
+    keys = [field.name for field in fields(EffectRow)]
+    assert len(keys) > 20
+    assert [key for key in keys if f"`{key}`" not in section] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_lines_outside_tables_are_short(page: Path) -> None:
+    """120 characters, and some more where a path became longer."""
+    lines = text_of(page).splitlines()
+    long = [line for line in lines if len(line) > 130 and not line.startswith(("|", "- ", "    ", "!["))]
+    assert long == []
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_the_page_on_materials_names_every_law(name: str) -> None:
+    assert re.search(rf"\b{name}\b", text_of(HERE / "docs" / "materials.md"))
+
+
+def test_the_documentation_stays_short() -> None:
+    """At most 60 000 words; what was measured in detail is in studies/."""
+    words = sum(len(text_of(page).split()) for page in (HERE / "docs").rglob("*.md"))
+    assert 20_000 < words < 60_000
+
+
+@pytest.mark.parametrize("name", ELEMENTS)
+def test_the_pages_on_theory_and_accuracy_name_every_element(name: str) -> None:
+    for page in ("theory.md", "accuracy.md"):
+        assert f"`{name}`" in text_of(HERE / "docs" / page), page
+
+
+def test_one_subtitle_stands_everywhere() -> None:
+    project = tomllib.loads(text_of(HERE / "pyproject.toml"))["project"]
+    subtitle = project["description"]
+    texts = {name: text_of(HERE / name) for name in ("README.md", "mkdocs.yml", "CITATION.cff")}
+    assert subtitle.lower() in texts["CITATION.cff"].lower()
+    assert f"site_description: {subtitle}" in texts["mkdocs.yml"]
+    assert f"\n\n{subtitle}.\n" in texts["README.md"]
+    assert app.info.help == f"{subtitle}."
+    assert all(f"  - {word}" in texts["CITATION.cff"] for word in project["keywords"])
+
+
+#: of former sentences, whose plain forms are in their place
+FORMER = (
+    "Most would help",
+    "tolerances move its tip",
+    "It is known within",
+    "law in space has no weight",
+    "EI/l^2 / 50",
+    "however small, the offsets",
+    "It holds from",
+    "for which law",
+    "agrees with it in two directions",
+    "without one at equal pressures",
+    "use the arm's own law",
+    "because the mesh makes an error",
+)
+
+
+def test_former_sentences_are_gone() -> None:
+    for path in (*(HERE / "rod").rglob("*.py"), *(HERE / "pipeline").rglob("*.py")):
+        joined = re.sub(r'"\s*\n\s*f?"', "", text_of(path))
+        assert [former for former in FORMER if former in joined] == [], path

@@ -191,3 +191,10 @@ def test_the_formats_of_the_guide_on_robots_are_those_of_the_program(followed: P
     for words in commands_of(DOCS / "how_to" / "robots.md"):
         ended = run_in(followed, "-m", "pipeline", *words)
         assert ended.returncode == 0, ended.stderr
+
+
+def test_the_python_page_shows_signatures(site: Path) -> None:
+    page = text_of(site / "python.html")
+    assert "characterize" in page
+    assert "progress" in page
+    assert "read_results" in page

@@ -73,17 +73,6 @@ def test_every_recipe_is_a_notebook_with_text_and_a_small_picture(name: str) -> 
     assert f"]({name}.ipynb)" in page
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_a_recipe_is_a_screen_of_code_in_short_sentences(name: str) -> None:
-    notebook = recipes.read(name)
-    lines = [line for cell in recipes.code_cells(notebook) for line in cell.source.splitlines()]
-    assert sum(bool(line.strip()) and not line.lstrip().startswith("#") for line in lines) <= 60
-    for cell in notebook.cells:
-        if cell.cell_type == "markdown":
-            for sentence in re.split(r"[.?!:]\s|\n\n|\n- ", cell.source):
-                assert len(sentence.split()) <= 25, sentence
-
-
 @pytest.mark.parametrize("name", QUICK)
 def test_quick_recipes_print_what_is_kept(name: str, clone: Path) -> None:
     prints_what_is_kept(name)
@@ -105,3 +94,21 @@ def test_recipes_run_with_a_stored_arm(name: str, clone: Path, monkeypatch: pyte
 @pytest.mark.parametrize("name", [name for name in NAMES if name not in QUICK])
 def test_recipes_print_what_is_kept(name: str, clone: Path) -> None:
     prints_what_is_kept(name)
+
+
+def test_nothing_is_kept_of_recipes_that_are_gone() -> None:
+    assert sorted(path.name for path in recipes.KEPT.iterdir()) == sorted(
+        f"{name}.{ending}" for name in NAMES for ending in ("json", "png")
+    )
+    assert len(NAMES) >= 10
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_recipe_is_a_screen_of_code_in_short_sentences(name: str) -> None:
+    notebook = recipes.read(name)
+    lines = [line for cell in recipes.code_cells(notebook) for line in cell.source.splitlines()]
+    assert sum(bool(line.strip()) and not line.lstrip().startswith("#") for line in lines) <= 60
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown":
+            for sentence in re.split(r"[.?!:]\s|\n\n|\n- ", cell.source):
+                assert len(sentence.split()) <= 25, sentence

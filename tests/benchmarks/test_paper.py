@@ -1,5 +1,6 @@
 """The claims of the paper: the rule of the verdicts, the measures behind the readings, and those of half cells."""
 
+import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -7,12 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.paper.__main__ import draw, provenance
 from benchmarks.paper.claims import claims
 from benchmarks.paper.claims.simulations import between, scaled_by_pressure
 from benchmarks.paper.data import Data
 from benchmarks.paper.free_lines import TestedCurves
 from benchmarks.paper.measures import aligned_distance, line, sign_change
-from benchmarks.paper.page import overview
+from benchmarks.paper.page import number, overview, write_page
 from benchmarks.paper.random_cells import FILE, RandomCell, line_through, measure, read, write
 from benchmarks.paper.reading import CONTRADICTED, MISSING, REPRODUCED, UNDECIDED, Claim, Reading
 from benchmarks.paper.states import State
@@ -21,6 +23,15 @@ from geometry import Centreline
 from pipeline.study.sweep.points import Point
 from pipeline.study.sweep.spec import points_of, read_sweep
 from rod import FiveParameters
+
+
+def _sweep(folder: Path, name: str, **record: object) -> None:
+    """A sweep without a point."""
+    path = folder / f"paper_{name}"
+    path.mkdir()
+    (path / "sweep.csv").touch()
+    (path / "sweep.json").write_text(json.dumps({"commit": None, "points": [], **record}), encoding="utf-8")
+
 
 HERE = Path(__file__).resolve().parent.parent.parent
 YES, NO, OPEN = (1.0, 0.9, 1.1), (3.0, 2.9, 3.1), (2.0, 1.9, 2.1)
@@ -155,3 +166,43 @@ def test_a_drawn_cell_is_measured(tmp_path: Path) -> None:
     assert cell.is_solved
     assert cell.rigidity_high == pytest.approx(126.3, rel=0.02)
     assert cell.off_line < 0.01
+
+
+def test_a_figure_without_its_state_is_not_drawn_and_does_not_stop_the_others(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The pictures of bodies and the figures over the length need single states; `make paper` goes on without them."""
+    point = {"folder": "", "values": {}, "seconds": None, "status": "unfinished", "reason": "no equilibrium"}
+    base = str(HERE / "configs" / "pneunet_coarse.yaml")
+    _sweep(tmp_path, "pneunet", base=base, set={}, points=[point])
+    _sweep(tmp_path, "lengths")
+    drawn = {name for name, _ in draw(Data(tmp_path), tmp_path)}
+    said = capsys.readouterr().out
+    assert "not drawn: figure_03, without experiment I of pneunet with svk at 37 kPa\n" in said
+    assert "not drawn: figure_12, without the arm of 11 chambers with svk at 24 kPa\n" in said
+    assert {"figure_04.svg", "figure_09b.svg"} <= drawn
+    assert not {"figure_03.png", "figure_12.svg"} & drawn
+
+
+def test_sources_that_differ_from_their_commit_are_marked_on_the_page(tmp_path: Path) -> None:
+    commits = {"pneunet": "a" * 40 + "+", "lengths": "b" * 40, "arms": None}
+    for name, commit in commits.items():
+        _sweep(tmp_path, name, commit=commit)
+    assert "commit aaaaaaaaa+, bbbbbbbbb, unknown, on" in provenance(Data(tmp_path))
+
+
+def test_the_page_has_every_claim_with_its_numbers(tmp_path: Path) -> None:
+    claims_ = [Claim("1", "x", (reading(YES),), "because"), Claim("2", "y", (), "", "not run")]
+    write_page(tmp_path, "Made today.", claims_, {"arms": ["a | b"]}, [("figure.svg", "Fig. 1")])
+    text = (tmp_path / "paper.md").read_text(encoding="utf-8")
+    for part in ("| 1 | x | **reproduced** | because |", "1.00 (0.90 to 1.10)", "| arms | a / b |", "`figure.svg`"):
+        assert part in text, part
+    stored = json.loads((tmp_path / "paper.json").read_text(encoding="utf-8"))
+    assert [entry["verdict"] for entry in stored["claims"]] == [claim.verdict for claim in claims_]
+
+
+def test_numbers_are_written_with_the_digits_of_their_interval() -> None:
+    assert number(Reading("x", 1.2345, 1.2, 1.3, "mm")) == "1.234 (1.200 to 1.300) mm"
+    assert number(Reading("x", -2.5, -2.8, -2.2)) == "-2.50 (-2.80 to -2.20)"
+    assert number(Reading("x", 100.0, 100.0, 100.0, "%")) == "100.000 %"
+    assert number(Reading("x", math.nan, math.nan, math.nan, without="no break")) == "no break"

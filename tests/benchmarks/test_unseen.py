@@ -15,6 +15,7 @@ import pytest
 
 import fem
 from benchmarks.unseen.__main__ import main as campaigns_main
+from benchmarks.unseen.__main__ import with_larger_elements
 from benchmarks.unseen.checks import ALLOWED, Check, checks_of, followed, work_difference
 from benchmarks.unseen.confirm import BY_VOLUME, UNEXPLAINED, end_of, judged, names_a_limit, second_law, turned
 from benchmarks.unseen.designs import COMPRESSIBLE, LOAD, LOWER, Drawn, drawn
@@ -27,9 +28,12 @@ from benchmarks.unseen.sorting import (
     TRACEBACK,
     WRONG,
     checks_in,
+    has_numbers,
     outcome,
+    rod_errors,
     states_of,
 )
+from benchmarks.unseen.table import largest_share, summary
 from benchmarks.unseen.work import ERROR, FAILED, RAN, REFUSED, SLOW, Work, lost, outcome_of, outcomes_of
 from fem.materials import LAWS
 from fem.path.diagnosis import near_limit_point
@@ -42,12 +46,10 @@ from pipeline.simulate.loadcase import LoadCase, schedule
 from pipeline.simulate.outcome import Failure, Record
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import simulate
-from pipeline.store.context import RunContext
-from pipeline.store.progress import Silent
-from pipeline.store.store import open_store
 from pipeline.values.errors import WorkerLost
 from tests.bodies import box
 from tests.loads import Traction
+from tests.solved import alone
 
 HERE = Path(__file__).resolve().parent.parent.parent
 
@@ -269,19 +271,6 @@ def test_the_second_law_has_the_same_moduli(seed: int, tmp_path: Path) -> None:
         assert second.poisson_ratio == pytest.approx(first.poisson_ratio)
 
 
-def test_a_campaign_of_which_every_design_is_refused_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def status(*ended: str) -> int:
-        def outcomes(works: Sequence[Work], jobs: int) -> Iterator[dict[str, Any]]:
-            return (record(number=number, ended=end, states=[]) for number, end in enumerate(ended))
-
-        monkeypatch.setattr("benchmarks.unseen.__main__.outcomes_of", outcomes)
-        monkeypatch.setattr("sys.argv", ["unseen", "--seed", "2", "--count", "2", "--results", str(tmp_path)])
-        return campaigns_main()
-
-    assert status("refused", "refused") == 1
-    assert status("refused", "ran") == 0
-
-
 @pytest.mark.slow
 def test_a_design_is_run_checked_and_kept(tmp_path: Path) -> None:
     design = Drawn(0, 0, TINY, 0.01)
@@ -342,8 +331,8 @@ work.work_on(pickle.load(sys.stdin.buffer))
 
 def test_checks_notice_a_state_that_is_slightly_wrong(tmp_path: Path) -> None:
     config = config_of(tmp_path, TINY)
-    with open_store(tmp_path / "run", config) as store:
-        outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["II", "III"])
+    with alone(tmp_path / "run", config) as context:
+        outcomes = simulate(Scene.meshed(config), context, ["II", "III"])
 
     def lifted(state: Record) -> Record:
         (x, y), height, curve = state.state.end_mm, 1e-4 * config.design.length, state.centreline
@@ -361,9 +350,9 @@ def test_checks_notice_a_state_that_is_slightly_wrong(tmp_path: Path) -> None:
 def test_states_at_other_pressures_than_those_of_the_design_are_checked(tmp_path: Path) -> None:
     """An arm that bears none of its pressures has states below its limit."""
     config = config_of(tmp_path, TINY)
-    with open_store(tmp_path / "run", config) as store:
+    with alone(tmp_path / "run", config) as context:
         cases = [LoadCase(name, name, schedule(config, (4.0,)), config.end) for name in ("II", "III")]
-        outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), cases)
+        outcomes = simulate(Scene.meshed(config), context, cases)
     checks = checks_of(config, outcomes["II"].records, outcomes["III"].records, tmp_path)
     assert [(check.name, check.pressure_kPa, check.passed) for check in checks] == [
         (name, 4.0, True) for name in ALLOWED
@@ -372,8 +361,8 @@ def test_states_at_other_pressures_than_those_of_the_design_are_checked(tmp_path
 
 def test_the_balance_of_work_is_not_checked_where_a_support_does_work(tmp_path: Path) -> None:
     config = config_of(tmp_path, {**TINY, "end": {"y": "1 mm"}})
-    with open_store(tmp_path / "run", config) as store:
-        held = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["III"])["III"].records
+    with alone(tmp_path / "run", config) as context:
+        held = simulate(Scene.meshed(config), context, ["III"])["III"].records
     checks = checks_of(config, [], held, tmp_path)
     assert [check.name for check in checks] == ["load steps of III", "work of III"]
     assert [check.passed for check in checks] == [True, False]
@@ -396,3 +385,64 @@ def test_an_experiment_that_ends_because_of_two_is_sorted_by_the_sentence_of_two
     record = {"ended": "ran", "checks": [], "reasons": {"I": because, "II": ["not_converged"], "III": part}}
     assert outcome(record) == NO_LIMIT
     assert outcome(record | {"reasons": {"I": because, "II": ["stretch_too_small"], "III": part}}) == LIMIT
+
+
+def test_only_what_a_user_must_give_is_given() -> None:
+    for design in drawn(2, COUNT):
+        assert set(design.document) == {"name", "geometry", "material", "pressures"}
+
+
+def test_numbers_are_parameters_or_a_law_or_an_early_refusal() -> None:
+    assert has_numbers(record())
+    assert has_numbers(record(five_at_kPa=[]))
+    assert not has_numbers(record(five_at_kPa=[], has_arm_law=False))
+    assert has_numbers(record(five_at_kPa=[], has_arm_law=False, ended=REFUSED))
+
+
+def test_the_table_counts_designs_states_and_the_errors_of_the_rod() -> None:
+    records = [record(), record(rod=None, limits=[limit(True)], **MISSED)]
+    assert rod_errors(records) == {"shape": [0.004], "force": [0.05]}
+    lines = summary(records).splitlines()
+    for row in (
+        f"| {SOLVED} | 1 |",
+        f"| {LIMIT} | 1 |",
+        "| states solved | 8 of 10 |",
+        "| states beyond a confirmed limit | 2 |",
+        "| limits confirmed | 1 of 1 |",
+        "| designs with numbers or an early refusal | 2 of 2 |",
+        "| shape error of the rod: median, largest | 0.4 %, 0.4 % |",
+    ):
+        assert row in lines, row
+
+
+def test_larger_elements_are_those_of_the_program_times_a_factor(tmp_path: Path) -> None:
+    """And nothing else of a design changes."""
+    usual = drawn(2, 4)[3]
+    (larger,) = with_larger_elements([usual], 1.5)
+    sizes = []
+    for design in (usual, larger):
+        path = tmp_path / "design.yaml"
+        path.write_text(json.dumps(design.document))
+        sizes.append(load_config(path).mesh.size_mm)
+    assert sizes[1] == pytest.approx(1.5 * sizes[0], rel=0.01)
+    assert {**larger.document, "mesh": None} == {**usual.document, "mesh": None}
+    assert with_larger_elements([usual], 1.0) == [usual]
+
+
+def test_a_campaign_of_which_every_design_is_refused_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def status(*ended: str) -> int:
+        def outcomes(works: Sequence[Work], jobs: int) -> Iterator[dict[str, Any]]:
+            return (record(number=number, ended=end, states=[]) for number, end in enumerate(ended))
+
+        monkeypatch.setattr("benchmarks.unseen.__main__.outcomes_of", outcomes)
+        monkeypatch.setattr("sys.argv", ["unseen", "--seed", "2", "--count", "2", "--results", str(tmp_path)])
+        return campaigns_main()
+
+    assert status("refused", "refused") == 1
+    assert status("refused", "ran") == 0
+
+
+def test_few_designs_say_little() -> None:
+    assert largest_share(0, 7) == pytest.approx(1.0 - 0.05 ** (1 / 7))
+    assert largest_share(0, 40) == pytest.approx(0.0722, abs=1e-4)
+    assert largest_share(3, 3) == 1.0

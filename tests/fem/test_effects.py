@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem import ContactError, Effect, Gravity, Pressure, SelfContact, StVenantKirchhoff
+from fem import ContactError, Effect, Gravity, Pressure, SelfContact, StrainLimitingLayer, StVenantKirchhoff
 from fem.discretisation import Discretisation
+from fem.effects import facing_pairs
 from fem.effects.barrier import CONTINUATION, FacingTerm, continued_barrier
 from fem.effects.contact import BarrierTerm
-from fem.effects.effect import Blocks, Term, at_constant_fraction
+from fem.effects.effect import Blocks, Term, advanced, at_constant_fraction
 from fem.effects.facing_pairs import FacingPairs
 from geometry import Mesh
 from geometry.arrays import Array
@@ -276,3 +277,34 @@ def test_contact_that_starts_inactive_on_faces_that_face_nothing_is_never_activa
     term = SelfContact("above", starts_inactive=True).bind(space, LAW)
     assert not term.must_activate(space.points)
     assert term.gap(space.points) == np.inf
+
+
+@pytest.mark.parametrize("name", ["pressure", "layer"])
+def test_terms_give_the_same_node_pairs_on_each_call(name: str) -> None:
+    """The same arrays, so that their position in the matrix is looked up once."""
+    if name == "layer":
+        mesh = box((2, 2, 2), (1.0, 1.0, 1.0))
+        term, space = bound(mesh, StrainLimitingLayer(mesh.plane(1, 0.5), 0.1, 100.0, 0.3))
+    else:
+        term, space = CASES[name]("p2p0")
+    x = space.points + shaken(space, 0.01, seed=1)
+    first = term.blocks(space.points, 1.0, convex=False)
+    later = advanced((term,), space.points, x - space.points)[0].blocks(x, 0.5, convex=True)
+    assert first.rows is later.rows
+    assert first.columns is later.columns
+
+
+def test_pairs_of_one_surface_are_searched_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(facing_pairs, "_kept", {})
+    space = Discretisation.of(fork(GAP), "p2p0")
+    wider = Discretisation.of(fork(2 * GAP), "p2p0")
+    first = FacingPairs.of(space.surface("prongs"), space.points)
+    again = Discretisation.of(fork(GAP), "p2p0")
+    assert FacingPairs.of(again.surface("prongs"), again.points) is first
+    other = FacingPairs.of(wider.surface("prongs"), wider.points)
+    assert other.gaps(wider.points).min() > 1.5 * first.gaps(space.points).min()
+    for count in range(facing_pairs.KEPT):
+        moved = space.points + 0.1 * (1 + count)
+        FacingPairs.of(space.surface("prongs"), moved)
+    assert len(facing_pairs._kept) == facing_pairs.KEPT
+    np.testing.assert_array_equal(FacingPairs.of(space.surface("prongs"), space.points).nodes, first.nodes)

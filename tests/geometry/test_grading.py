@@ -98,3 +98,10 @@ def test_a_cad_file_is_graded_too(configs: Path) -> None:
     body, plain = design.body(4, GRADINGS["edges"]), design.body(4)
     assert len(body.mesh.tets) > 1.3 * len(plain.mesh.tets)
     assert body.mesh.volume == pytest.approx(design.solid_volume / 2, rel=1e-2)
+
+
+def test_grading_off_is_the_default() -> None:
+    design = PneuNet(chambers=2)
+    plain, off = design.body(5).mesh, design.body(5, GRADINGS["off"]).mesh
+    assert np.array_equal(plain.points, off.points)
+    assert np.array_equal(plain.tets, off.tets)

@@ -15,15 +15,13 @@ from pipeline.simulate.loadcase import LoadCase, schedule
 from pipeline.simulate.outcome import Outcome
 from pipeline.simulate.scene import Scene as MeshedScene
 from pipeline.simulate.simulate import simulate
-from pipeline.store.context import RunContext
-from pipeline.store.progress import Silent
-from pipeline.store.store import open_store
 from pipeline.values.errors import InputError, RunFailed
 from pipeline.values.reasons import render_all
 from rod import RodError
 from tests.hard_cases.cases import CONFIGS, Check, HardCase, Scene
 from tests.hard_cases.rods import fallen
 from tests.hard_cases.tubes import TUBES, air_of
+from tests.solved import alone
 
 
 @dataclass(frozen=True)
@@ -123,8 +121,8 @@ def solve(scene: Scene) -> Solved:
             config, body = _configured(scene, Path(folder))
             at_end = replace(config.end, force_N=scene.force)
             case = LoadCase("hard", scene.experiment, schedule(config, scene.pressures), at_end)
-            with open_store(Path(folder) / "out", config) as store:
-                outcome = simulate(MeshedScene(config, body), RunContext.alone(store, Silent()), [case])["hard"]
+            with alone(Path(folder) / "out", config) as context:
+                outcome = simulate(MeshedScene(config, body), context, [case])["hard"]
         except (InputError, RunFailed) as refused:
             raise Refused(str(refused)) from None
     return Solved(config, body, outcome)

@@ -27,12 +27,6 @@ def sentences() -> list[str]:
     return [part for paragraph in paragraphs for part in re.split(r"(?<=[.:;])\s", " ".join(paragraph.split())) if part]
 
 
-def test_the_readme_is_short() -> None:
-    assert len(TEXT.splitlines()) <= 120
-    assert len(sentences()) > 20
-    assert [sentence for sentence in sentences() if len(sentence.split()) > LONGEST] == []
-
-
 @pytest.mark.slow
 def test_the_python_block_runs_as_it_stands(tmp_path: Path) -> None:
     [block] = re.findall(r"```python\n(.*?)```", TEXT, flags=re.DOTALL)
@@ -77,3 +71,9 @@ def test_everything_installed_is_pinned() -> None:
     assert {name.lower() for name in required()} <= names
     assert len(names) > 50
     assert "http" not in locked
+
+
+def test_the_readme_is_short() -> None:
+    assert len(TEXT.splitlines()) <= 120
+    assert len(sentences()) > 20
+    assert [sentence for sentence in sentences() if len(sentence.split()) > LONGEST] == []

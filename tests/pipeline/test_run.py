@@ -218,3 +218,14 @@ def test_a_pressure_that_cannot_be_borne_ends_in_a_sentence_and_keeps_the_rest(
     remarks = {remark["code"]: remark["values"] for remark in read(tmp_path, "run.json")["remarks"]}
     assert remarks["strong_pressure"]["bearable_kPa"] < 1000.0
     assert read(tmp_path, "run.json")["end_kPa"] == report.outcomes.lowest_end_kPa() < 1000.0
+
+
+def test_a_second_mesh_is_counted_from_when_it_is_needed(config_file: Path) -> None:
+    config = load_config(config_file, ("mesh.coarser=1.5", "law=both", "accuracy=1%"))
+    listener = Mock()
+    stages = Stages(listener, stage_names(config))  # the law on two meshes tells the error of the arm's
+    stages.add("coarser mesh", before="rod")
+    for name in ("coarser mesh", "rod"):
+        with stages.timed(name):
+            pass
+    assert [call.args[0] for call in listener.stage.mock_calls] == ["coarser mesh (7 of 11)", "rod (8 of 11)"]

@@ -69,3 +69,16 @@ def test_the_mass_of_an_arm_with_its_own_law_alone_is_that_of_the_law(tmp_path: 
     results = pneurod.read_results(folder)
     assert results.arm_law.mass is not None
     assert results.mass_g == pytest.approx(whole, rel=0.02)
+
+
+def test_results_are_short_where_they_are_shown(results: pneurod.Results) -> None:
+    assert str(results) == "\n".join(results.verdict.lines)
+    assert repr(results).startswith("Results('")
+    assert len(repr(results.arm_law)) < 120
+    with pytest.warns(pneurod.RodWarning):
+        rod = results.rod(20)
+    assert len(repr(rod)) < 400
+    shown = results._repr_html_()
+    assert "bends by 72°, 140°" in shown
+    assert "alpha2_N_mm2" in shown
+    assert "--accuracy 1%" in shown

@@ -178,22 +178,6 @@ def test_a_run_is_silent_unless_progress_is_requested(
     assert err == ""
 
 
-@pytest.mark.slow
-def test_a_program_without_a_guard_may_use_several_processes(design: Path, own: Path) -> None:
-    """The workers must not run the program once more."""
-    program = design.parent / "program.py"
-    program.write_text(
-        "import pneurod\n"
-        "print('program')\n"
-        f"results = pneurod.characterize({str(design)!r}, out={str(own)!r}, jobs=2)\n"
-        "print(len(results.parameters))\n"
-    )
-    command = [sys.executable, str(program)]
-    environment = {"PYTHONPATH": str(HERE), "PATH": "/usr/bin:/bin"}
-    ended = subprocess.run(command, capture_output=True, text=True, check=False, cwd=design.parent, env=environment)
-    assert (ended.returncode, ended.stdout, ended.stderr) == (0, "program\n2\n", "")
-
-
 def test_numbers_of_numpy_are_settings(design: Path, own: Path, results: pneurod.Results) -> None:
     same: Any = {"geometry.chambers": np.int64(7), "pressures": np.array(["8 kPa", "16 kPa"])}
     same["material.nu"] = np.float64(0.495)
@@ -236,6 +220,40 @@ def test_every_name_is_documented() -> None:
     assert {name for name in names if f"`{name}`" not in section} == set()
 
 
+def test_numbers_of_curves_are_read_exactly() -> None:
+    text = (COARSE / "curves.csv").read_text(encoding="utf-8").splitlines()
+    column = text[0].split(",").index("kappa_per_mm")
+    assert pneurod.read_results(COARSE).curves["kappa_per_mm"].tolist() == [
+        float(line.split(",")[column]) for line in text[1:]
+    ]
+
+
+@pytest.mark.slow
+def test_a_program_without_a_guard_may_use_several_processes(design: Path, own: Path) -> None:
+    """The workers must not run the program once more."""
+    program = design.parent / "program.py"
+    program.write_text(
+        "import pneurod\n"
+        "print('program')\n"
+        f"results = pneurod.characterize({str(design)!r}, out={str(own)!r}, jobs=2)\n"
+        "print(len(results.parameters))\n"
+    )
+    command = [sys.executable, str(program)]
+    environment = {"PYTHONPATH": str(HERE), "PATH": "/usr/bin:/bin"}
+    ended = subprocess.run(command, capture_output=True, text=True, check=False, cwd=design.parent, env=environment)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, "program\n2\n", "")
+
+
+def test_half_finished_folders_give_what_is_there(tmp_path: Path) -> None:
+    shutil.copy(COARSE / "experiments.json", tmp_path)
+    results = pneurod.read_results(tmp_path)
+    assert len(results.experiments) == 6
+    assert {name for name, frame in frames(results) if len(frame)} == {"experiments"}
+    assert np.isnan(results.mass_g)
+    with pytest.raises(pneurod.InputError, match="the run has not come to the identification"):
+        results.rod(17.0)
+
+
 def test_a_stored_run_has_all_frames() -> None:
     results = pneurod.read_results(COARSE)
     assert results.pressures_kPa == (17.0, 37.0)
@@ -246,11 +264,3 @@ def test_a_stored_run_has_all_frames() -> None:
     assert results.experiments["max_stretch_at_z_mm"].notna().all()
     assert results.arm_law is not None
     assert results.verdict.rod == "arm_law"
-
-
-def test_numbers_of_curves_are_read_exactly() -> None:
-    text = (COARSE / "curves.csv").read_text(encoding="utf-8").splitlines()
-    column = text[0].split(",").index("kappa_per_mm")
-    assert pneurod.read_results(COARSE).curves["kappa_per_mm"].tolist() == [
-        float(line.split(",")[column]) for line in text[1:]
-    ]

@@ -21,7 +21,8 @@ TWO_LINES = FiveParameters(2.0, 1.0, 0.1, -0.05, 0.13)
 ARM = Rod(112.0, 0.03, FiveParameters(180.0, 400.0, 0.5, -0.2, 12.0))
 
 
-@pytest.mark.parametrize(
+#: F l^2 / EI; deflection and shortening over l and angle of the end of a cantilever (Bisshopp and Drucker)
+ELASTICA = pytest.mark.parametrize(
     ("load", "deflection", "shortening", "angle"),
     [
         (1.0, 0.3017208, 0.0564332, 0.4613519),
@@ -29,6 +30,9 @@ ARM = Rod(112.0, 0.03, FiveParameters(180.0, 400.0, 0.5, -0.2, 12.0))
         (10.0, 0.8106090, 0.5549956, 1.4302855),
     ],
 )
+
+
+@ELASTICA
 def test_elastica_under_a_dead_transverse_load(load, deflection, shortening, angle):
     shape = Rod(1.0, 0.0, PLAIN).solve(force=(0.0, load))
     assert (shape.y[-1], 1.0 - shape.x[-1], shape.theta[-1]) == pytest.approx((deflection, shortening, angle), abs=1e-6)

@@ -17,9 +17,7 @@ from pipeline.config.load import load_config
 from pipeline.simulate.outcome import Outcome
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import simulate
-from pipeline.store.context import RunContext
-from pipeline.store.progress import Silent
-from pipeline.store.store import open_store
+from tests.solved import alone
 
 FILE = Path(__file__).resolve().parents[1] / "data" / "tube.step"
 INNER, OUTER, LENGTH, WALL = 4.0, 6.0, 100.0, 4.0  # mm; the last one of the ends
@@ -31,8 +29,8 @@ def bent(folder: Path, lines: str) -> Outcome:
     geometry = f"geometry: {{family: own, file: {FILE}, curve: -5 mm}}"
     path.write_text(f"name: tube\n{geometry}\nmesh: {{size: 5 mm}}\n{lines}\n", encoding="utf-8")
     scene = Scene.meshed(config := load_config(path))
-    with open_store(folder / "out", config) as store:
-        return simulate(scene, RunContext.alone(store, Silent()), ("II",))["II"]
+    with alone(folder / "out", config) as context:
+        return simulate(scene, context, ("II",))["II"]
 
 
 def largest_pressure() -> float:

@@ -160,3 +160,9 @@ def test_a_sweep_of_cells_leaves_out_what_cells_do_not_use(tmp_path: Path, run: 
     else:
         with pytest.raises(InputError, match=OUTSIDE):
             points_of(sweep, tmp_path)
+
+
+def test_help_tells_arguments_alone() -> None:
+    arguments = str(inspect.signature(pneurod.move))
+    assert "Annotated" not in arguments
+    assert "seconds: float = 3.0" in arguments

@@ -314,3 +314,17 @@ def test_a_closed_terminal_does_not_end_what_was_started_with_nohup(monkeypatch:
     monkeypatch.setattr(cli, "app", lambda: None)
     cli.main()
     assert handlers == {signal.SIGTERM: signal.default_int_handler, signal.SIGHUP: signal.SIG_IGN}
+
+
+@pytest.mark.parametrize(
+    ("name", "default"),
+    [
+        *(("run", "results/NAME"), ("mesh", "results/NAME_mesh"), ("effects", "results/NAME_effects")),
+        *(("accuracy", "results/NAME_accuracy"), ("cell", "results/NAME_cell"), ("sweep", "results/NAME")),
+        *(("run", "number of cores, at most 3"), ("effects", "number of cores, at most 2"), ("cell", "1")),
+        *(("accuracy", "number of cores, at most 2"), ("sweep", "number of cores")),
+        *(("export", "DIR"), ("export", "all pressures of the rod"), ("init", "my_FAMILY.yaml")),
+    ],
+)
+def test_the_help_shows_the_defaults_that_the_program_finds(name: str, default: str) -> None:
+    assert f"(default: {default})" in " ".join(done(name, "--help").split())

@@ -11,7 +11,7 @@ import pytest
 import fem
 from fem.materials import LAWS, Constant
 from geometry import FAMILIES, PneuNet
-from pipeline.config.config import End, IdentificationSettings, Validation
+from pipeline.config.config import Config, End, IdentificationSettings, Validation
 from pipeline.config.effects import EFFECTS
 from pipeline.config.load import load_config
 from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
@@ -400,3 +400,14 @@ def test_parameters_of_an_effect_go_beside_its_state() -> None:
     assert load_config(
         COARSE, ["effects.self_contact=off", "effects.self_contact.dhat=0.1 mm"]
     ).effects.self_contact.off
+
+
+def test_shipped_configurations_say_where_numbers_come_from(configs: Path) -> None:
+    files = sorted(configs.glob("*.yaml"))
+    assert len(files) >= 2
+    for path in files:
+        assert isinstance(load_config(path), Config)
+        for line in path.read_text(encoding="utf-8").splitlines():
+            value = line.partition("#")[0]
+            if any(character.isdigit() for character in value):
+                assert "paper" in line or "choice" in line, f"{path.name}: {line}"

@@ -11,11 +11,11 @@ import yaml
 
 from fem.materials import LAWS, NeoHooke
 from fem.materials.material import PositiveStress
-from geometry import FAMILIES
+from geometry import FAMILIES, CadFile, MeshFile, SurfaceFile
 from pipeline.config.body import BODIES, OWN
 from pipeline.config.example import RUBBER, example
 from pipeline.config.load import load_config
-from pipeline.config.reference import REQUIRED, material_keys
+from pipeline.config.reference import REQUIRED, effect_keys, general_keys, geometry_keys, material_keys
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.too_short import too_short
 from tests.commands import done, refused
@@ -103,3 +103,25 @@ def test_init_replaces_no_file(tmp_path: Path) -> None:
     assert "--force" in refused("init", "--out", str(file))
     assert file.read_text() == "mine"
     done("init", "--out", str(file), "--force")
+
+
+def test_every_key_says_what_it_means() -> None:
+    entries = [*general_keys(), *effect_keys(), *(e for law in LAWS for e in material_keys(law))]
+    for entry in [
+        *entries,
+        *(e for design in (*FAMILIES.values(), CadFile, MeshFile, SurfaceFile) for e in geometry_keys(design)),
+    ]:
+        assert len(entry.meaning) > 4, entry
+        assert entry.allowed, entry
+        assert entry.example, entry
+
+
+@pytest.mark.parametrize("family", BODIES)
+def test_a_line_with_a_value_that_is_no_default_says_so(family: str) -> None:
+    lines = example(family, every=True).splitlines()
+    for entry in general_keys():
+        key = entry.key.rpartition(".")[2]
+        shown = [line for line in lines if re.match(rf"# +{key}: ", line) and entry.plain_meaning in line]
+        if "." in entry.key and entry.default == "none":
+            assert shown, entry
+            assert all(line.endswith("; an example") for line in shown)

@@ -122,3 +122,10 @@ def test_the_modulus_is_that_at_long_times(configs: Path) -> None:
 
 def test_a_configuration_without_them_has_the_same_record(configs: Path) -> None:
     assert material_of(configs).record().keys() == {"law", "E", "nu", "density_tonne_mm3"}
+
+
+def test_the_moduli_of_rubbers_by_name_are_in_the_order_of_their_hardness(configs: Path) -> None:
+    """Ecoflex 00-30 and 00-50, Dragon Skin 10 A, Mold Star 16 A, Dragon Skin 20 A and 30 A."""
+    names = ("ecoflex_00_30", "ecoflex_00_50", "dragon_skin_10", "mold_star_16", "dragon_skin_20", "dragon_skin_30")
+    moduli = [material(configs, f"name: {name}").built().young_modulus for name in names]
+    assert moduli == sorted(moduli)

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from pipeline.identify import mesh_error
 from pipeline.identify import parameters as identification
 from pipeline.identify.parameters import Parameters, counts_as_equal_cells, identify_all, sum_evidence, takes_two_lines
 
@@ -78,3 +79,33 @@ def test_one_rigidity_holds_along_equal_cells_that_do_not_touch(
     assert refused == ()
     assert identified.one_rigidity is (equal_cells and not touching)
     assert identified.evidence == 4.0
+
+
+@pytest.mark.parametrize("touching", [False, True])
+@pytest.mark.parametrize("equal_cells", [False, True])
+def test_a_coarser_mesh_decides_by_the_contact_of_its_own_states(
+    touching: bool, equal_cells: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    line = SimpleNamespace(alpha=SimpleNamespace(value=1.0), m0=SimpleNamespace(value=0.0))
+    identified = iter([SimpleNamespace(single_line=line, law=None, evidence=evidence) for evidence in (-3.0, 20.0)])
+    monkeypatch.setattr(mesh_error, "numbers_of_curves", lambda *given: next(identified))
+    monkeypatch.setattr(mesh_error, "cell_averaged", lambda *given: SimpleNamespace(middle=0.0))
+    effects = ("self_contact",) if touching else ()
+    record: Any = SimpleNamespace(effects=effects, centreline=None, load=None)
+    fine: Any = SimpleNamespace(
+        pressure_kPa=10.0,
+        kappa=SimpleNamespace(pitch=10.0),
+        given_d=None,
+        shortest_break=5.0,
+        two_lines=False,
+        equal_cells=equal_cells,
+    )
+    outcome = SimpleNamespace(at=lambda pressure: record)
+
+    class Outcomes(dict[str, Any]):
+        failures = ()
+
+    outcomes: Any = Outcomes(coarser_II=outcome, coarser_III=outcome)
+    found, refused = mesh_error._identify((fine, fine), outcomes, "coarser")
+    assert refused == []
+    assert mesh_error._two_lines((fine, fine), found) == [touching or not equal_cells] * 2

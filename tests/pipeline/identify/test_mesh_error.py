@@ -14,11 +14,10 @@ from pipeline.identify.parameters import Parameters
 from pipeline.results.files import read_results
 from pipeline.results.rod_errors import mesh_errors
 from pipeline.run import run
-from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
-from pipeline.store.store import open_store
 from pipeline.values.richardson import extrapolate
 from rod import Interval
+from tests.solved import alone
 
 SHORT = """
 name: seven
@@ -102,7 +101,7 @@ def test_a_second_mesh_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     path = tmp_path / "seven.yaml"
     path.write_text(SHORT.replace("coarser: 1.5", "coarser: 5"), encoding="utf-8")
     config, parameters = load_config(path), (cast(Parameters, object()),)
-    with open_store(tmp_path / "out", config) as store:
-        same, (reason,) = with_mesh_error(config, RunContext.alone(store, Silent()), parameters)
+    with alone(tmp_path / "out", config) as context:
+        same, (reason,) = with_mesh_error(config, context, parameters)
     assert same == parameters
     assert (reason.code, reason.values["factor"]) == ("coarser_not_meshed", 5.0)

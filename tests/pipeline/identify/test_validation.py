@@ -22,12 +22,11 @@ from pipeline.simulate.loadcase import validation_cases
 from pipeline.simulate.outcome import Failure, Outcomes
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import simulate
-from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
-from pipeline.store.store import open_store
 from rod import Load
 from tests.pipeline.simulate.test_outcome import outcome, record
 from tests.shared import SharedFolders
+from tests.solved import alone
 
 SHORT = """
 name: seven
@@ -156,12 +155,11 @@ def test_a_load_begins_at_an_experiment_of_the_run(
         return followed(*given, begin=begin, **named)
 
     monkeypatch.setattr(fem, "follow", follow)
-    with open_store(tmp_path / "near", config) as store:
-        context = RunContext.alone(store, Silent())
+    with alone(tmp_path / "near", config) as context:
         simulate(scene, context, [near])
         moved = simulate(scene, context, [cases[case] for case in (name, *others)])[name]
-    with open_store(tmp_path / "rest", config) as store:
-        (rest,) = simulate(scene, RunContext.alone(store, Silent()), [cases[name]])
+    with alone(tmp_path / "rest", config) as context:
+        (rest,) = simulate(scene, context, [cases[name]])
     assert begun == begins
     for first, other in zip(moved.records, rest.records, strict=True):
         np.testing.assert_allclose(first.displacement, other.displacement, atol=1e-5)
@@ -216,3 +214,9 @@ def test_the_small_forces_are_parts_of_EI_over_l2(tmp_path: Path) -> None:
     assert keep_reached_loads(given, outcomes).config.validation.forces_N == ((0.0, 0.01), *small)
     off = replace(scene, config=replace(config, validation=Validation()))
     assert keep_reached_loads(off, outcomes).config.validation.forces_N == ()
+
+
+def test_the_report_shows_the_loads_of_the_validation(results: Path) -> None:
+    html = (results / "report.html").read_text(encoding="utf-8")
+    for text in ("end at +3 mm", "Dead force on the end", "Force that holds the end"):
+        assert text in html

@@ -35,6 +35,7 @@ from pipeline.store.store import open_store
 from pipeline.values.law import Unloaded
 from tests.coarse import COARSE
 from tests.commands import done, refused
+from tests.solved import alone
 
 CONFIGS = Path(__file__).resolve().parent.parent.parent.parent / "configs"
 ARM = ["geometry.chambers=4", "pressures=[6 kPa, 9 kPa]", "mesh.size=6 mm", "accuracy=off"]
@@ -136,8 +137,7 @@ def test_finer_meshes_are_tried_until_the_limit_is_certain_enough(
 ) -> None:
     config = arm(*ARM)
     pieces = ArmPieces(config, 0.04)
-    with open_store(tmp_path, config, fresh=False) as store:
-        context = RunContext.alone(store, Silent())
+    with alone(tmp_path, config, fresh=False) as context:
         limit = find_limit(pieces, {0.0: 0.0, 9.0: -0.006}, 0.1, context)
         assert limit.is_reached
         sizes = [mesh.size_mm for mesh in limit.meshes]
@@ -178,8 +178,8 @@ def test_a_pressure_that_a_finer_mesh_does_not_bear_is_named(tmp_path: Path, mon
         return solved(known, angle, close)
 
     monkeypatch.setattr(meshes._Mapped, "without_moment", failing)
-    with open_store(tmp_path, config, fresh=False) as store:
-        limit = find_limit(pieces, {0.0: 0.0, 6.0: -0.004, 9.0: -0.006}, 1.0, RunContext.alone(store, Silent()))
+    with alone(tmp_path, config, fresh=False) as context:
+        limit = find_limit(pieces, {0.0: 0.0, 6.0: -0.004, 9.0: -0.006}, 1.0, context)
     assert tuple(limit.limits) == (0.0, 6.0)
     [reason] = limit.reasons
     assert (reason.code, reason.values["pressure_kPa"]) == ("cell_no_limit", 9.0)

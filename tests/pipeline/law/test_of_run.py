@@ -31,6 +31,7 @@ from pipeline.values.errors import InputError
 from rod import Rod
 from tests.pipeline.simulate.test_outcome import outcome, record
 from tests.shared import SharedFolders
+from tests.solved import alone
 
 SHORT = """
 name: five
@@ -129,8 +130,8 @@ def test_an_arm_without_a_law_keeps_its_five_parameters_and_says_why(tmp_path: P
     weight = "effects.gravity={acceleration: [0 m/s^2, 0 m/s^2, 9.81 m/s^2]}"
     for choice in ("both", "five"):
         heavy = config(tmp_path, weight, f"law={choice}")
-        with open_store(tmp_path / choice, heavy) as store:
-            law = deliver_law_of_run(Scene.meshed(heavy), RunContext.alone(store, Silent()))
+        with alone(tmp_path / choice, heavy) as context:
+            law = deliver_law_of_run(Scene.meshed(heavy), context)
         assert law.law is None
         assert law.effect.state == "off"
         assert ("switched off" if choice == "five" else "weight") in law.effect.reason
@@ -147,8 +148,8 @@ def test_a_body_of_which_no_piece_is_made_fails_with_the_reason(
 
     design = config(tmp_path, "law=cell", "validation=off")
     monkeypatch.setattr(ArmPieces, "repetition", property(refused))
-    with open_store(tmp_path / "refused", design) as store:
-        law = deliver_law_of_run(Scene.meshed(design), RunContext.alone(store, Silent()))
+    with alone(tmp_path / "refused", design) as context:
+        law = deliver_law_of_run(Scene.meshed(design), context)
     assert law.law is None
     assert law.failures == (Reason("no_arm_law", {"why": "no wall faces the plane between two cells"}),)
 
@@ -166,8 +167,8 @@ def test_pressures_that_the_cell_does_not_bear_end_the_law_below_them(tmp_path: 
     """All of them, or the highest one."""
     for pressures, highest in (("[1 MPa, 2 MPa]", None), ("[6 kPa, 2 MPa]", 6.0)):
         large = config(tmp_path, f"pressures={pressures}", "law=cell", "validation=off")
-        with open_store(tmp_path / str(highest), large) as store:
-            made = deliver_law_of_run(Scene.meshed(large), RunContext.alone(store, Silent()))
+        with alone(tmp_path / str(highest), large) as context:
+            made = deliver_law_of_run(Scene.meshed(large), context)
         assert (made.law and made.law.pressures[-1]) == highest
         assert "no equilibrium of the half cell at" in str(made.failures[0].values["why"])
         assert made.failures[0].code == ("no_arm_law" if highest is None else "law_incomplete")
@@ -177,8 +178,7 @@ def test_a_cell_that_bears_no_pressure_of_the_configuration_is_measured_below_th
     tmp_path: Path,
 ) -> None:
     large = config(tmp_path, "pressures=[1 MPa, 2 MPa]", "validation=off")
-    with open_store(tmp_path / "out", large) as store:
-        context = RunContext.alone(store, Silent())
+    with alone(tmp_path / "out", large) as context:
         made = law_on_mesh_of_arm(Scene.meshed(large), context, lambda: 8.0).result()
     assert (made.law.pressures[0], made.law.pressures[-1]) == (0.0, 8.0)
     assert [reason.code for reason in made.reasons][:2] == ["law_measured", "law_incomplete"]
@@ -208,8 +208,7 @@ def test_the_law_goes_no_higher_than_the_whole_arm(
     """Up to the highest pressure at which II has a state, those below its limit included."""
     design = config(measured, "validation=off")
     scene, simulated = Scene.meshed(design), ended(design, reached, below_limit, end)
-    with open_store(measured / "out", design) as store:
-        context = RunContext.alone(store, Silent())
+    with alone(measured / "out", design) as context:
         made = law_on_mesh_of_arm(scene, context, lambda: find_highest_pressure(scene, *simulated)).result()
     assert made.law.pressures[-1] == highest
     assert all(pressure in made.law.pressures for pressure in (6.0, 12.0) if pressure <= highest)

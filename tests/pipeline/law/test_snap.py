@@ -20,10 +20,8 @@ from pipeline.law.snap import (
     swollen_pieces,
 )
 from pipeline.simulate.scene import Scene
-from pipeline.store.context import RunContext
-from pipeline.store.progress import Silent
-from pipeline.store.store import open_store
 from tests.snapping_arm import snapping_law
+from tests.solved import alone
 
 ARM = Path(__file__).resolve().parents[2] / "data" / "moseley_c5w7.yaml"
 RUBBER = "material={law: neo_hooke, mu: 0.01877 MPa, kappa: 1.87 MPa, density: 1070 kg/m^3}"
@@ -65,8 +63,8 @@ def test_each_form_has_its_own_pressures() -> None:
 def test_a_law_of_an_arm_without_a_form_beyond_ends_below_its_limit(tmp_path: Path) -> None:
     settings = [RUBBER, "pressures=[20 kPa, 30 kPa]", "mesh.size=6 mm", "draft=true"]
     config = load_config(ARM, settings)
-    with open_store(tmp_path, config) as store:
-        measured = deliver_law(ArmPieces.of(Scene.meshed(config)), RunContext.alone(store, Silent()))
+    with alone(tmp_path, config) as context:
+        measured = deliver_law(ArmPieces.of(Scene.meshed(config)), context)
     law = measured.law
     assert config.effects.strain_limiting_layer.on
     assert measured.layers is None  # the swollen arm is not solved without its sheet, which takes minutes
@@ -81,8 +79,8 @@ def test_a_law_of_an_arm_without_a_form_beyond_ends_below_its_limit(tmp_path: Pa
 def test_elements_taken_by_hand_whose_limit_differs_from_mixed_ones_are_named(tmp_path: Path) -> None:
     settings = [RUBBER, "pressures=[20 kPa, 33 kPa]", "mesh.size=6 mm", "mesh.formulation=p2p0", "draft=true"]
     config = load_config(ARM, settings)
-    with open_store(tmp_path, config) as store:
-        tasks = ArmTasks(ArmPieces.of(Scene.meshed(config)), RunContext.alone(store, Silent()))
+    with alone(tmp_path, config) as context:
+        tasks = ArmTasks(ArmPieces.of(Scene.meshed(config)), context)
         limit = find_snap(tasks, 33.0).limit
         (reason,) = elements_differ(tasks, limit, 33.0)
         assert limit is not None

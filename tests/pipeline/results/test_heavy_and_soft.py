@@ -1,6 +1,7 @@
 """Arms under a tenth to a hundred times the weight that their law bears have records and verdicts of numbers alone."""
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -55,3 +56,13 @@ def test_a_law_that_does_not_bear_its_own_weight_says_so() -> None:
     borne = -float(law.cells[0].moment[0]) / (0.5 * 30.0 * 9.81e-3 * law.length)
     assert reason.values["percent"] == pytest.approx(100.0 * borne, rel=0.15)
     assert report_reason(reason).text.startswith("At 0 kPa it bears ")
+
+
+def test_tolerances_are_said_with_their_pressure_first() -> None:
+    (reason,) = _tolerances(load_config(CONFIG), scaled_law())
+    text = report_reason(reason).text
+    assert re.fullmatch(
+        r"At 37 kPa casting tolerances move the tip by ±[\d.]+ % of the length; measure material\.stiffness first: "
+        r"±10 % of it alone give [\d.]+ %\.",
+        text,
+    ), text

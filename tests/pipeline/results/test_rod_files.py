@@ -3,6 +3,7 @@
 import json
 import re
 import runpy
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,20 @@ from tests.rod.arm_law.test_arm_law import law_of, straight_law
 LENGTH = 112.0
 
 
+#: what both files of parameters have
+FIVE: dict[str, Any] = {
+    "mass_g": 16.5,
+    "solid_volume_mm3": 14600.0,
+    "material": {"law": "svk", "E": 1.2, "nu": 0.495, "density_tonne_mm3": 1.13e-9},
+    "pressures_kPa": [17.0, 37.0],
+    "alpha1_N_mm2": [60.0, 55.0],
+    "alpha2_N_mm2": [300.0, 440.0],
+    "m01_N_mm": [0.1, 0.2],
+    "m02_N_mm": [-0.2, -0.4],
+    "d_mm": [10.0, 10.0],
+}
+
+
 @pytest.fixture
 def results(tmp_path: Path) -> Path:
     return parameters_in(tmp_path)
@@ -27,24 +42,9 @@ def results(tmp_path: Path) -> Path:
 def parameters_in(folder: Path) -> Path:
     """The folder, with parameters.json."""
     s = np.linspace(0.0, LENGTH, 57)
-    content = {
-        "format": FORMAT,
-        "length_mm": LENGTH,
-        "mass_g": 16.5,
-        "solid_volume_mm3": 14600.0,
-        "material": {"law": "svk", "E": 1.2, "nu": 0.495, "density_tonne_mm3": 1.13e-9},
-        "pressures_kPa": [17.0, 37.0],
-        "alpha1_N_mm2": [60.0, 55.0],
-        "alpha2_N_mm2": [300.0, 440.0],
-        "m01_N_mm": [0.1, 0.2],
-        "m02_N_mm": [-0.2, -0.4],
-        "d_mm": [10.0, 10.0],
-        "kappa_0": {
-            "s_mm": s.tolist(),
-            "theta0_rad": [0.0, 0.02],
-            "kappa_0_per_mm": [np.full(57, -0.012).tolist(), np.full(57, -0.023).tolist()],
-        },
-    }
+    curvatures = [np.full(57, -0.012).tolist(), np.full(57, -0.023).tolist()]
+    rest = {"s_mm": s.tolist(), "theta0_rad": [0.0, 0.02], "kappa_0_per_mm": curvatures}
+    content = {"format": FORMAT, "length_mm": LENGTH, **FIVE, "kappa_0": rest}
     (folder / "parameters.json").write_text(json.dumps(content))
     return folder
 
@@ -232,17 +232,6 @@ def test_every_export_is_written_and_replaced_on_request_only(results: Path, tmp
     done(*command, "--force")
 
 
-def test_standard_deviations_are_exported(results: Path, tmp_path: Path) -> None:
-    file = results / "parameters.json"
-    content = json.loads(file.read_text())
-    for key in ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm"):
-        content[f"{key}_std"] = [0.5, 0.25]
-    file.write_text(json.dumps(content))
-    done("export", str(results), "--to", "json", "--out", str(tmp_path / "files"))
-    written = json.loads((tmp_path / "files" / "rod_17_to_37kPa.json").read_text())
-    assert written["d_mm_std"] == [0.5, 0.25]
-
-
 def test_without_a_mass_there_are_tables_and_no_dynamics(results: Path, tmp_path: Path) -> None:
     file = results / "parameters.json"
     content = json.loads(file.read_text())
@@ -281,21 +270,10 @@ NAN = float("nan")
 
 
 def parameters() -> dict[str, Any]:
-    law = {
-        "alpha1_N_mm2": [60.0, 55.0],
-        "alpha2_N_mm2": [300.0, 440.0],
-        "m01_N_mm": [0.1, 0.2],
-        "m02_N_mm": [-0.2, -0.4],
-        "d_mm": [10.0, 10.0],
-    }
     return {
         "format": 6,
         "length_mm": SHORTER,
-        "mass_g": 16.5,
-        "solid_volume_mm3": 14600.0,
-        "material": {"law": "svk", "E": 1.2, "nu": 0.495, "density_tonne_mm3": 1.13e-9},
-        "pressures_kPa": [17.0, 37.0],
-        **law,
+        **deepcopy(FIVE),
         "alpha1_N_mm2_std": [2.0, None],
         "moment_range_N_mm": [[0.1, 3.0], [0.2, 4.0]],
         "kappa_0": {

@@ -4,6 +4,7 @@ import io
 import re
 from typing import Any
 
+import pytest
 from rich.console import Console
 
 from pipeline.show.progress import Lines, Terminal, progress_for
@@ -78,30 +79,21 @@ def test_a_table_on_a_terminal() -> None:
     assert text.getvalue().count("experiments: ") >= 1
 
 
-def test_an_experiment_stays_in_the_table_while_the_run_waits_for_others() -> None:
+@pytest.mark.parametrize("stopped", [False, True])
+def test_an_experiment_stays_in_the_table_with_the_next_stage_unless_it_has_ended(stopped: bool) -> None:
     text = io.StringIO()
     progress = progress_for(Console(file=text, force_terminal=True, width=120))
     progress.stage("experiments")
-    progress.experiment("cell", (17.0, 37.0))
-    progress.experiment("II", (17.0,))
-    progress.step_done("II", 17.0, 1.0)
-    progress.stage("pictures")
-    progress.step_done("cell", 17.0, 1.0)
-    text.truncate(0)
-    progress.done()
-    assert "cell" in text.getvalue()
-    assert "II" not in text.getvalue()
-
-
-def test_an_experiment_that_has_stopped_leaves_the_table_with_the_next_stage() -> None:
-    text = io.StringIO()
-    progress = progress_for(Console(file=text, force_terminal=True, width=120))
-    progress.stage("experiments")
-    progress.experiment("II", (17.0, 150.0))
     progress.experiment("cell", (17.0, 150.0))
-    progress.stopped("II", (150.0,), "the limit is at 64.7 kPa")
+    progress.experiment("II", (17.0, 150.0) if stopped else (17.0,))
+    if stopped:
+        progress.stopped("II", (150.0,), "the limit is at 64.7 kPa")
+    else:
+        progress.step_done("II", 17.0, 1.0)
     progress.stage("pictures")
-    assert "II stopped before 150 kPa: the limit is at 64.7 kPa" in text.getvalue()
+    assert ("II stopped before 150 kPa: the limit is at 64.7 kPa" in text.getvalue()) == stopped
+    if not stopped:
+        progress.step_done("cell", 17.0, 1.0)
     text.truncate(0)
     progress.done()
     assert "cell" in text.getvalue()

@@ -159,3 +159,9 @@ def test_pictures_are_in_the_page(tmp_path: Path, run: Run) -> None:
     (tmp_path / "pictures").mkdir()
     (tmp_path / "pictures" / "II_37kPa.png").write_bytes(b"picture")
     assert "data:image/png;base64,cGljdHVyZQ==" in render_page(replace(run, directory=tmp_path))
+
+
+def test_every_section_is_there_once(page: str) -> None:
+    titles = re.findall(r"<h2>(.*?)</h2>", page)
+    assert len(titles) == len(set(titles)) == 8
+    assert page.count("<details>") == page.count("</details>") == 9  # and the configuration

@@ -19,11 +19,10 @@ from pipeline.simulate.effects_record import list_effects
 from pipeline.simulate.outcome import Outcomes
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import experiments_of, simulate
-from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
-from pipeline.store.store import open_store
 from pipeline.study.effects.rows import BASE, effects_table
 from pipeline.study.effects.study import compare_effects, variants
+from tests.solved import alone
 
 FRESH = """
 import json, sys
@@ -52,8 +51,8 @@ def simulated(
     """Outcomes, and the rows of effects.json by effect."""
     config = load_config(HERE / "configs" / f"{name}.yaml", overrides)
     scene = Scene.meshed(config)
-    with open_store(out, config) as store:
-        outcomes = simulate(scene, RunContext.alone(store, Silent()), experiments)
+    with alone(out, config) as context:
+        outcomes = simulate(scene, context, experiments)
     assert [outcome.failure for outcome in outcomes] == [None] * len(experiments)
     return outcomes, {state.effect: asdict(state) for state in list_effects(scene, outcomes)}
 
@@ -206,3 +205,14 @@ def test_table_of_effects(tmp_path: Path) -> None:
     assert "…" not in shown
     assert all(word in shown for name in by_name for word in name.replace("_", " ").split())
     assert all(text in shown for text in ("single line: whether", " +", "0.0 %"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["semicircular", "semicircular_single", "bisected_circle"])
+def test_coarse_parameterization_is_cheap(name: str, tmp_path: Path) -> None:
+    for layer in ("off", "on"):
+        overrides = [f"effects.strain_limiting_layer={layer}"]
+        outcomes, _ = simulated(tmp_path / layer, f"{name}_coarse", *overrides, experiments=("II", "III"))
+        assert outcomes.factorizations <= 60
+        stretch = [record.state.stretch_of_curve for record in outcomes.records]
+        assert layer == "off" or np.abs(np.array(stretch) - 1.0).max() < 2e-3

@@ -18,10 +18,8 @@ from pipeline.simulate.known_limit import EndOfII
 from pipeline.simulate.outcome import Outcomes
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import add_states_below_limit, simulate
-from pipeline.store.context import RunContext
-from pipeline.store.progress import Silent
-from pipeline.store.store import open_store
 from tests.pipeline.simulate.test_design_notes import CONFIGS
+from tests.solved import alone
 
 #: a half disc with a wall of 0.6 mm, whose round wall snaps through under a vacuum of 1.03 kPa
 LIMIT_KPA = 1.0317
@@ -159,8 +157,8 @@ def test_two_tells_its_limit_and_one_does_not_search_its_own(tmp_path: Path) -> 
     for lower, largest, expected in ((0.5, 5.0, "end_of_II"), (0.95, 1.05, "has_limit")):
         pressures = f"pressures=[{lower} kPa, {largest} kPa]"
         config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*THIN, VACUUM, pressures])
-        with open_store(tmp_path / str(largest), config) as store:
-            outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["I", "II"])
+        with alone(tmp_path / str(largest), config) as context:
+            outcomes = simulate(Scene.meshed(config), context, ["I", "II"])
         failures = [outcome.failure for outcome in outcomes]
         assert all(len(outcome.records) == 1 for outcome in outcomes)
         assert failures[1].limit_kPa == pytest.approx(LIMIT_KPA, rel=0.01)
@@ -179,8 +177,8 @@ def test_two_tells_where_it_ends_without_a_limit_that_it_could_name(
     made = CasePath._failure
     monkeypatch.setattr(CasePath, "_failure", lambda *given: replace(made(*given), limit_kPa=0.0))
     config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*THIN, VACUUM, pressures])
-    with open_store(tmp_path, config) as store:
-        outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["I", "II", "III"])
+    with alone(tmp_path, config) as context:
+        outcomes = simulate(Scene.meshed(config), context, ["I", "II", "III"])
     failures = {name: outcomes[name].failure for name in ("I", "II", "III")}
     assert failures["I"].reasons[-1].values["end"] == "last equilibrium"
     assert failures["I"].not_followed
@@ -205,8 +203,8 @@ def test_three_is_followed_up_to_the_limit_of_two(
     pressures = f"pressures=[17 kPa, {second} kPa, 90 kPa]"
     settings = [f"geometry.chambers={chambers}", f"mesh.size={size} mm", pressures]
     config = load_config(CONFIGS / "pneunet_coarse.yaml", settings)
-    with open_store(tmp_path, config) as store:
-        outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["II", "III"])
+    with alone(tmp_path, config) as context:
+        outcomes = simulate(Scene.meshed(config), context, ["II", "III"])
     stored = {path.stem for path in (tmp_path / "states").glob("*.npz")}
     failure = outcomes["III"].failure
     assert failure.codes[: len(codes)] == codes
@@ -230,8 +228,8 @@ def test_a_lower_limit_of_the_free_body_is_named(pressures: str, tmp_path: Path)
     there, from which the released body comes to a stable state in three iterations, beyond the limit of its path."""
     thin = ["geometry.length=30 mm", "geometry.wall=0.4 mm", "mesh.size=6 mm", "effects.self_contact=off", VACUUM]
     config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*thin, f"pressures={pressures}"])
-    with open_store(tmp_path, config) as store:
-        outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["I", "II"])
+    with alone(tmp_path, config) as context:
+        outcomes = simulate(Scene.meshed(config), context, ["I", "II"])
     assert outcomes["II"].failure is None
     failure = outcomes["I"].failure
     assert failure.limit_kPa == pytest.approx(0.525, rel=3e-3)
@@ -245,8 +243,7 @@ def followed(folder: Path, *changes: str) -> tuple[Outcomes, Outcomes, Reason | 
     """The outcomes of II and III, those with states below the limit, and the remark on them."""
     settings = [*LONG, "experiments=[II, III]", *changes]
     config = load_config(CONFIGS / "semicircular_single_coarse.yaml", settings)
-    with open_store(folder, config) as store:
-        context = RunContext.alone(store, Silent())
+    with alone(folder, config) as context:
         scene = Scene.meshed(config)
         outcomes = simulate(scene, context)
         return outcomes, *add_states_below_limit(scene, context, outcomes)
@@ -277,8 +274,7 @@ def test_nothing_is_added_where_a_pressure_is_reached_or_the_arm_is_short(tmp_pa
 @pytest.mark.slow
 def test_the_last_equilibrium_stands_for_a_limit_that_is_not_named(tmp_path: Path) -> None:
     config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*LONG, "pressures=[5 kPa]"])
-    with open_store(tmp_path, config) as store:
-        context = RunContext.alone(store, Silent())
+    with alone(tmp_path, config) as context:
         scene = Scene.meshed(config)
         outcomes = simulate(scene, context, ["II", "III"])
 

@@ -22,12 +22,10 @@ from pipeline.simulate.effects_record import list_effects
 from pipeline.simulate.loadcase import identification_case
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import experiments_of, simulate
-from pipeline.store.context import RunContext
-from pipeline.store.progress import Silent
-from pipeline.store.store import open_store
 from pipeline.values.errors import InputError
 from tests.commands import refused
 from tests.foreign_bodies import bar, bar_with_inlet, write_surface
+from tests.solved import alone
 from tests.step_bodies import save
 
 CONFIGS = Path(__file__).resolve().parent.parent.parent.parent / "configs"
@@ -86,8 +84,8 @@ def test_own_body_is_read_and_recorded(tmp_path: Path) -> None:
 def test_own_body_is_inflated(tmp_path: Path) -> None:
     config = load_config(CONFIGS / "finger.yaml", ["mesh.size=5 mm", "pressures=[20 kPa]"])
     scene = Scene.meshed(config)
-    with open_store(tmp_path, config) as store:
-        outcomes = simulate(scene, RunContext.alone(store, Silent()), ("II",))
+    with alone(tmp_path, config) as context:
+        outcomes = simulate(scene, context, ("II",))
         rows = {state.effect: state for state in list_effects(scene, outcomes)}
     (record,) = outcomes["II"].records
     assert record.state.end_mm[1] < 1.0 - 2.0
@@ -105,8 +103,8 @@ def test_stretches_of_a_region_are_those_of_its_elements(tmp_path: Path) -> None
         "pressures: [5 kPa]\nmesh: {size: 4 mm}\n"
     )
     scene = Scene.meshed(config := load_config(path))
-    with open_store(tmp_path / "out", config) as store:
-        (record,) = simulate(scene, RunContext.alone(store, Silent()), ("II",))["II"].records
+    with alone(tmp_path / "out", config) as context:
+        (record,) = simulate(scene, context, ("II",))["II"].records
     base = np.isin(np.arange(len(scene.body.mesh.tets)), scene.body.mesh.regions["base"])
     stretches = np.array([record.fields["smallest_stretch"], record.fields["stretch"]])
     np.testing.assert_allclose(stretches[:, base], 1.0, atol=1e-3)
@@ -235,8 +233,8 @@ def test_the_clamp_carries_the_pressure_on_an_inlet(tmp_path: Path) -> None:
     assert experiments_of(config) == ("II", "III")
     assert experiments_of(load_config(CONFIGS / "finger.yaml")) == ("II", "III", "I")
     scene = Scene.meshed(config)
-    with open_store(tmp_path / "out", config) as store:
-        outcomes = simulate(scene, RunContext.alone(store, Silent()), ("II",))
+    with alone(tmp_path / "out", config) as context:
+        outcomes = simulate(scene, context, ("II",))
     summary = outcomes["II"].records[0].state
     assert summary.clamp_reaction_N[0] == pytest.approx(-4e-3 * np.pi * 1.5**2, rel=0.03)
     reason = next(state.reason for state in list_effects(scene, outcomes) if state.effect == "pressure")

@@ -52,24 +52,6 @@ def test_cavities_may_carry_different_pressures(arm: Path, half: Body) -> None:
     assert loads(load_config(arm, [*BISECTED, "effects.pressure=off"]), half, 0.04) == []
 
 
-def test_the_elements_of_the_scene_are_made_once(configs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Both for the check of a given distance and for the distance that is told; a process makes its own."""
-    made: list[str] = []
-    of = fem.Discretisation.of
-
-    def counted(mesh: Mesh, formulation: str) -> fem.Discretisation:
-        made.append(formulation)
-        return of(mesh, formulation)
-
-    monkeypatch.setattr(fem.Discretisation, "of", counted)
-    short = ["geometry.chambers=2", "mesh.size=6 mm", "effects.self_contact={dhat: 0.5 mm}"]
-    scene = Scene.meshed(load_config(configs / "pneunet_coarse.yaml", short))
-    assert (scene.activation_distance, scene.activation_distance, len(made)) == (0.5, 0.5, 1)
-    sent = pickle.dumps(scene)
-    assert len(sent) < 1.01 * len(pickle.dumps(Scene(scene.config, scene.body)))
-    assert (pickle.loads(sent).activation_distance, len(made)) == (0.5, 2)
-
-
 @pytest.mark.parametrize("distance", ["2 mm", "2.5 mm"])
 def test_an_activation_distance_that_walls_are_within_at_rest_is_refused(configs: Path, distance: str) -> None:
     """The gap of the arm is 2 mm; just below it is allowed. Faces that never meet have no gap."""
@@ -133,6 +115,21 @@ def test_contact_waits_unless_it_is_asked_for(configs: Path, half: Body) -> None
     assert Scene(arm(), half).contact_faces == half.cavities
 
 
+def test_an_arm_of_two_materials_is_softer_or_stiffer_than_one_of_one(configs: Path) -> None:
+    """A half cell with a base six times as stiff, as the arm's own law takes it: between those of one material."""
+    usual = ["mesh.size=6 mm", "geometry.chambers=3", "material={law: neo_hooke, mu: 0.1 MPa, nu: 0.49}"]
+    stiff = "law: neo_hooke, mu: 0.6 MPa, nu: 0.49"
+    rigidities = []
+    for more in ([], [f"materials.base={{{stiff}}}"], [f"material={{{stiff}}}"]):
+        scene = Scene.meshed(load_config(configs / "pneunet_coarse.yaml", [*usual, *more]))
+        assert set(scene.body.mesh.regions) == ({"base"} if "materials" in str(more) else set())
+        piece = ArmPieces(scene.config, None).cell
+        rigidities.append(slopes(piece, piece.solve(0.0, 1e-6, piece.rest())).moment_by_angle)
+    soft, both, stiffest = rigidities
+    assert stiffest == pytest.approx(6 * soft, rel=1e-3)
+    assert 1.5 * soft < both < 0.7 * stiffest
+
+
 @pytest.mark.slow
 def test_outer_walls_of_a_body_from_a_file_that_face_each_other_may_touch(tmp_path: Path) -> None:
     pneunet_as_step(tmp_path / "net.step", PneuNet(chambers=3))
@@ -155,16 +152,19 @@ def test_outer_walls_of_a_body_from_a_file_that_face_each_other_may_touch(tmp_pa
     assert contacts["bar", ""] == contacts["bar", "effects: {self_contact: on}"] == (("cavity",), None, "")
 
 
-def test_an_arm_of_two_materials_is_softer_or_stiffer_than_one_of_one(configs: Path) -> None:
-    """A half cell with a base six times as stiff, as the arm's own law takes it: between those of one material."""
-    usual = ["mesh.size=6 mm", "geometry.chambers=3", "material={law: neo_hooke, mu: 0.1 MPa, nu: 0.49}"]
-    stiff = "law: neo_hooke, mu: 0.6 MPa, nu: 0.49"
-    rigidities = []
-    for more in ([], [f"materials.base={{{stiff}}}"], [f"material={{{stiff}}}"]):
-        scene = Scene.meshed(load_config(configs / "pneunet_coarse.yaml", [*usual, *more]))
-        assert set(scene.body.mesh.regions) == ({"base"} if "materials" in str(more) else set())
-        piece = ArmPieces(scene.config, None).cell
-        rigidities.append(slopes(piece, piece.solve(0.0, 1e-6, piece.rest())).moment_by_angle)
-    soft, both, stiffest = rigidities
-    assert stiffest == pytest.approx(6 * soft, rel=1e-3)
-    assert 1.5 * soft < both < 0.7 * stiffest
+def test_the_elements_of_the_scene_are_made_once(configs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both for the check of a given distance and for the distance that is told; a process makes its own."""
+    made: list[str] = []
+    of = fem.Discretisation.of
+
+    def counted(mesh: Mesh, formulation: str) -> fem.Discretisation:
+        made.append(formulation)
+        return of(mesh, formulation)
+
+    monkeypatch.setattr(fem.Discretisation, "of", counted)
+    short = ["geometry.chambers=2", "mesh.size=6 mm", "effects.self_contact={dhat: 0.5 mm}"]
+    scene = Scene.meshed(load_config(configs / "pneunet_coarse.yaml", short))
+    assert (scene.activation_distance, scene.activation_distance, len(made)) == (0.5, 0.5, 1)
+    sent = pickle.dumps(scene)
+    assert len(sent) < 1.01 * len(pickle.dumps(Scene(scene.config, scene.body)))
+    assert (pickle.loads(sent).activation_distance, len(made)) == (0.5, 2)

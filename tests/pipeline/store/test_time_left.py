@@ -84,3 +84,9 @@ def test_a_draft_expects_less_than_a_run() -> None:
     assert set(draft) == {"cell", "clamped end", "tip"}
     assert {"I", "II", "III", "cell, mesh"} < set(full)
     assert sum(map(sum, draft.values())) < 0.2 * sum(map(sum, full.values()))
+
+
+def test_finer_meshes_of_lower_pressures_are_one_less() -> None:
+    """The arm has two pressures, and rest."""
+    steps = expected_of(load_config("configs/pneunet_coarse.yaml", []))["cell, mesh"]
+    assert [steps.count(effort) for effort in dict.fromkeys(steps)] == [3, 3, 3, 1]

@@ -13,6 +13,7 @@ from rod.arm_law.law import ArmLaw
 from rod.arm_law.moved import power_of_modulus
 from rod.arm_law.section import section_at
 from tests.quotients import SOLVED, quotient
+from tests.rod.test_equilibrium import ELASTICA
 
 LENGTH, PITCH = 110.0, 10.0
 EI, RIGID = 400.0, 1e12
@@ -79,14 +80,7 @@ def law_of(*parts: tuple[CellCurve, ClampCurve, TipCurve]) -> ArmLaw:
     return ArmLaw(PITCH, 5.0, LENGTH, cells, clamps, tips)
 
 
-@pytest.mark.parametrize(
-    ("load", "deflection", "shortening", "angle"),
-    [
-        (1.0, 0.3017208, 0.0564332, 0.4613519),
-        (5.0, 0.7137915, 0.3876284, 1.2153681),
-        (10.0, 0.8106090, 0.5549956, 1.4302855),
-    ],
-)
+@ELASTICA
 def test_the_elastica_under_a_dead_force(load: float, deflection: float, shortening: float, angle: float) -> None:
     """K. E. Bisshopp, D. C. Drucker, "Large deflection of cantilever beams", Q. Appl. Math. 3 (1945)."""
     shape = law_of(straight_law(0.0)).at(0.0).solve((0.0, load * EI / LENGTH**2))

@@ -40,6 +40,7 @@ def test_the_truth_is_recovered(wart: str) -> None:
 
 def check_safe(found: Judged) -> None:
     """No usable law is unstable, or off another one by more than the factor, within its range."""
+    assert found.usable
     for number, fit in enumerate(found.usable):
         assert fit.holds is not None
         low, high = fit.holds

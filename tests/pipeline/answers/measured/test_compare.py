@@ -201,3 +201,11 @@ def test_zeros_a_point_of_the_tip_and_titles_with_a_minus_sign(tmp_path: Path) -
     )
     (row,) = read_measurements(tmp_path / "force.csv").rows
     assert row.values == pytest.approx({"reaction": 0.0121})
+
+
+def test_one_who_waits_is_told_the_time_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("pipeline.store.time_left.WAIT", 0.0)
+    told, folder = list[str](), result_folder(tmp_path / "arm")
+    compare_files(folder, measured(tmp_path / "arm.csv", arm_law(), [State(8.0)]), tell=told.append)
+    parts = [int(words.partition(" % of the numbers by the rod are found; about ")[0]) for words in told]
+    assert (parts == sorted(parts), parts[-1]) == (True, 95)

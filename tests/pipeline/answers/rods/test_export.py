@@ -6,6 +6,7 @@ import runpy
 import shutil
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,16 +14,17 @@ import pytest
 
 import pneurod
 from fem.materials import LAWS, Constant
-from pipeline.answers.rods.export import distance, references
+from pipeline.answers.rods.export import distance, judged, references
 from pipeline.answers.rods.solid import solid_of, young_modulus
 from pipeline.results.files import read_results
 from pipeline.show.drawing import write_fields
 from rod import Relaxation, RodError
 from rod.load import Load
 from rod.weight import Mass
-from tests.coarse import COARSE, copy_with
+from tests.coarse import COARSE, coarse_run, copy_with
 from tests.commands import done, refused
 from tests.measured_arm import result_folder, with_body
+from tests.pipeline.answers.rods.test_budget import scaled_law
 from tests.rod.arm_law.test_space_law import LENGTH as LENGTH_IN_SPACE
 from tests.rod.arm_law.test_space_law import law as law_in_space
 
@@ -235,3 +237,17 @@ def test_the_weight_of_a_run_is_left_to_the_other_program(tmp_path: Path) -> Non
     assert found["with"] > 3.0 * found["without"]  # judged with weight, against finite elements without it
     files = [next((tmp_path / out).glob("*.json")).read_text(encoding="utf-8") for out in ("without", "with")]
     assert files[0] == files[1]
+
+
+def test_a_file_beside_its_rod() -> None:
+    at = SimpleNamespace(rigidity=300.0, solve=lambda *_: 0.0, curve=lambda _: 0.0, s=[0.0, 112.0])
+    robot: Any = SimpleNamespace(has=lambda _: False, known=(), length=112.0, solid=None, at=lambda _: at)
+    told = judged(robot, coarse_run(), scaled_law())
+    assert told.endswith(
+        "Under small tip forces (EI/50l², EI/10l²) the file deviates from its rod by at most 0 % of the length."
+    )
+
+
+def test_the_modulus_of_an_exported_rod_is_that_of_its_law() -> None:
+    material = {"law": "neo_hooke", "mu": 0.02, "kappa": 2.0, "density_tonne_mm3": 1e-9}
+    assert young_modulus(material) == pytest.approx(9 * 2.0 * 0.02 / (3 * 2.0 + 0.02))

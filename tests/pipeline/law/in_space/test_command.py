@@ -4,8 +4,8 @@ import json
 import re
 import runpy
 from pathlib import Path
+from typing import Any
 
-import gmsh
 import numpy as np
 import pytest
 
@@ -22,6 +22,7 @@ from rod.arm_law.space_law import SpaceLaw
 from rod.errors import RodError
 from rod.load import Load
 from tests.commands import done, refused
+from tests.step_bodies import save
 
 LENGTH, SIDE, BORE, AWAY, END = 40.0, 12.0, 3.0, 3.4, 4.0
 ANGLES = np.pi * np.array([1 / 2, 7 / 6, 11 / 6])  # from y to z
@@ -40,19 +41,17 @@ mesh: {size: 8 mm, formulation: p2p0, grading: off}
 """
 
 
+def three(occ: Any) -> None:
+    """A bar with three holes around its axis."""
+    body = occ.addBox(0, -SIDE / 2, -SIDE / 2, LENGTH, SIDE, SIDE)
+    corners = AWAY * np.column_stack([np.cos(ANGLES), np.sin(ANGLES)]) - BORE / 2
+    occ.cut([(3, body)], [(3, occ.addBox(END, y, z, LENGTH - 2 * END, BORE, BORE)) for y, z in corners.tolist()])
+
+
 @pytest.fixture(scope="module")
 def config(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("three")
-    gmsh.initialize(interruptible=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    occ = gmsh.model.occ
-    body = occ.addBox(0, -SIDE / 2, -SIDE / 2, LENGTH, SIDE, SIDE)
-    corners = AWAY * np.column_stack([np.cos(ANGLES), np.sin(ANGLES)]) - BORE / 2
-    holes = [(3, occ.addBox(END, y, z, LENGTH - 2 * END, BORE, BORE)) for y, z in corners.tolist()]
-    occ.cut([(3, body)], holes)
-    occ.synchronize()
-    gmsh.write(str(folder / "three.step"))
-    gmsh.finalize()
+    save(folder / "three.step", three)
     path = folder / "three.yaml"
     path.write_text(f"{CONFIG}pressures: {ROWS}\n", encoding="utf-8")
     return path

@@ -1,11 +1,15 @@
 """Polynomials through states that were made from a polynomial."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from geometry.arrays import Array
 from pipeline.law.in_space.fit import PressureBasis, fit_cell
 from pipeline.law.in_space.states import CellState, Curvatures, Pressures
+from pipeline.law.table import space_sentences
 
 DRAWN = np.random.default_rng(3)
 ROWS = np.array([[20.0, 0.0, 5.0], [0.0, 20.0, 5.0], [10.0, 10.0, 5.0]])  # of rank two
@@ -88,3 +92,8 @@ def test_the_error_is_that_of_states_that_were_left_out() -> None:
         for one in drawn(60)
     ]
     assert 1e-3 < fit_cell(off, PressureBasis(ROWS), 0.01).error < 0.05
+
+
+def test_a_law_says_how_far_from_the_unloaded_curvature_it_is_valid() -> None:
+    law: Any = SimpleNamespace(law=SimpleNamespace(error=0.01, reach=0.003), states=9, changes=None, left=())
+    assert space_sentences(law)[1] == "Valid up to 3 1/m from the unloaded curvature."

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import MagicMock
 
-import gmsh
 import numpy as np
 import pytest
 
@@ -20,6 +19,7 @@ from pipeline.simulate.scene import Scene
 from pipeline.store.parallel import Pending
 from pipeline.store.progress import Silent
 from pipeline.store.store import Store, open_store
+from tests.step_bodies import save
 
 LENGTH, RADIUS, BORE, AWAY, END = 24.0, 6.0, 1.5, 3.4, 4.0
 ANGLES = np.pi * np.array([1 / 2, 7 / 6, 11 / 6])  # from y to z
@@ -41,17 +41,14 @@ PRESSURES, CURVATURE = (12.0, 0.0, 4.0), (0.004, 0.003)
 
 def write_arm(folder: Path, moved: float = 0.0) -> Config:
     """A round arm with three holes around its axis; the first one may be moved outwards, mm."""
-    gmsh.initialize(interruptible=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    occ = gmsh.model.occ
-    body = occ.addCylinder(0, 0, 0, LENGTH, 0, 0, RADIUS)
     away = AWAY + np.array([moved, 0.0, 0.0])
-    places = np.column_stack([away * np.cos(ANGLES), away * np.sin(ANGLES)])
-    holes = [(3, occ.addCylinder(END, y, z, LENGTH - 2 * END, 0, 0, BORE)) for y, z in places.tolist()]
-    occ.cut([(3, body)], holes)
-    occ.synchronize()
-    gmsh.write(str(folder / "round.step"))
-    gmsh.finalize()
+    places = np.column_stack([away * np.cos(ANGLES), away * np.sin(ANGLES)]).tolist()
+
+    def draw(occ: Any) -> None:
+        body = occ.addCylinder(0, 0, 0, LENGTH, 0, 0, RADIUS)
+        occ.cut([(3, body)], [(3, occ.addCylinder(END, y, z, LENGTH - 2 * END, 0, 0, BORE)) for y, z in places])
+
+    save(folder / "round.step", draw)
     (folder / "round.yaml").write_text(CONFIG, encoding="utf-8")
     return load_config(folder / "round.yaml")
 

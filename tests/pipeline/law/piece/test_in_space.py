@@ -136,3 +136,12 @@ def test_an_unstable_direction_is_a_reason_with_its_place(
     assert np.all(curve.lateral_rigidity == -1.0)
     place = {"piece": "half cell", "pressure_kPa": PRESSURE, "kappa_per_mm": curve.kappa[0]}
     assert limits == (Reason("unstable_sideways", place),)
+
+
+def test_the_table_has_the_rigidities_without_moment(law: ArmLaw) -> None:
+    table = space_table(law, LawMeshError())
+    ((pressure, bending, _, torsion, *_),) = table.rows
+    assert float(pressure) == PRESSURE
+    cell = law.cells[0]
+    assert cell.lateral_rigidity.min() * 0.999 <= float(bending) <= cell.lateral_rigidity.max() * 1.001
+    assert cell.torsional_rigidity.min() * 0.999 <= float(torsion) <= cell.torsional_rigidity.max() * 1.001

@@ -23,13 +23,11 @@ from pipeline.law.piece.point import PiecePoint
 from pipeline.law.piece.reach import Reach
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import simulate
-from pipeline.store.context import RunContext
-from pipeline.store.progress import Silent
-from pipeline.store.store import open_store
 from pipeline.values.pressure import KPA_PER_MPA, in_MPa
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.arm_law.law import ArmLaw
 from tests.pieces import end_piece, half_cell
+from tests.solved import alone
 
 DESIGN = PneuNet(chambers=5)
 SIZE, DHAT, PRESSURE = 5.0, 0.04, 20.0
@@ -277,8 +275,8 @@ def test_the_arm_is_as_wide_as_the_touching_cell(design: Path, tmp_path: Path) -
     contact the cell is 3 % wider."""
     config = load_config(design)
     scene, pieces = Scene.meshed(config), ArmPieces(config, None)
-    with open_store(tmp_path, config) as store:
-        outcomes = simulate(scene, RunContext.alone(store, Silent()), ("II",))
+    with alone(tmp_path, config) as context:
+        outcomes = simulate(scene, context, ("II",))
     rest = Discretisation.of(scene.body.mesh, config.mesh.formulation).points
     planes = pieces.repetition.middle + 2.0 * pieces.repetition.half_pitch * np.arange(20)
     plane = planes[np.argmin(np.abs(planes - config.design.length / 2.0))]

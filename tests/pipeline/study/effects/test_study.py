@@ -21,8 +21,6 @@ from pipeline.simulate.outcome import Outcomes
 from pipeline.simulate.scene import Scene
 from pipeline.simulate.simulate import simulate
 from pipeline.store.context import RunContext
-from pipeline.store.progress import Silent
-from pipeline.store.store import open_store
 from pipeline.study.effects import study as effects_study
 from pipeline.study.effects.rows import BASE, EffectRow, compared, effects_table
 from pipeline.study.effects.study import EffectsTable, compare_effects, variants
@@ -30,6 +28,7 @@ from pipeline.study.sweep import study, work
 from pipeline.study.sweep.numbers import rows_of_variant
 from pipeline.study.sweep.points import Point, PointResult
 from pipeline.values.errors import InputError, RunFailed
+from tests.solved import alone
 
 SHORT = """
 name: short
@@ -158,8 +157,8 @@ def test_fresh_removes_all_of_an_earlier_study_before_anything_is_solved(
 
 
 def solved(config: Config, out: Path, *experiments: str) -> Outcomes:
-    with open_store(out, config) as store:
-        return simulate(Scene.meshed(config), RunContext.alone(store, Silent()), experiments)
+    with alone(out, config) as context:
+        return simulate(Scene.meshed(config), context, experiments)
 
 
 def test_the_time_of_an_experiment_counts_no_kernels_and_is_kept_with_its_states(

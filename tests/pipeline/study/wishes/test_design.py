@@ -11,9 +11,7 @@ import pytest
 import pneurod
 from fem.cell.piece import BendingPiece
 from pipeline.config.load import load_config
-from pipeline.store.context import RunContext
 from pipeline.store.progress import Silent
-from pipeline.store.store import open_store
 from pipeline.study.wishes.design import find_best
 from pipeline.study.wishes.measured import delivered
 from pipeline.study.wishes.report import DesignReport, WishResult
@@ -22,6 +20,7 @@ from pipeline.values.errors import RunFailed
 from tests.commands import done, refused
 from tests.pipeline.study.wishes.test_measured import CONFIGS, small
 from tests.pipeline.values.test_plots import panels_of
+from tests.solved import alone
 
 #: wall and base of the arm that is looked for, mm, and about its stiffness, N/mm
 KNOWN, GUESS = np.array([1.0, 2.0]), 0.027
@@ -47,8 +46,8 @@ def wish_of_known_arm(folder: Path) -> Path:
         return WISH.replace("KAPPA", f"{numbers[0]:.6g}").replace("STIFFNESS", f"{numbers[1]:.6g}")
 
     file = small(folder, text())
-    with open_store(folder / "known", file) as store:
-        numbers = delivered(file, KNOWN, RunContext.alone(store, Silent()))[0]
+    with alone(folder / "known", file) as context:
+        numbers = delivered(file, KNOWN, context)[0]
     assert numbers[1] == pytest.approx(GUESS, rel=0.05)
     return small(folder, text()).source
 

@@ -5,13 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.store.context import RunContext
-from pipeline.store.progress import Silent
 from pipeline.store.store import open_store
 from pipeline.study.wishes.measured import MovedMesh, NotBorne, store_of
 from pipeline.study.wishes.spec import read_wishes
 from pipeline.study.wishes.step import check_feasible
 from pipeline.study.wishes.wish import WishFile, exact_limits, rounded
+from tests.solved import alone
 
 CONFIGS = Path(__file__).resolve().parent.parent.parent.parent.parent / "configs"
 SMALL = f"""
@@ -42,8 +41,8 @@ def test_derivatives_are_those_of_designs_that_were_measured(tmp_path: Path) -> 
     """Central differences over 2 % of each dimension and pressure, on meshes that were moved."""
     file = small(tmp_path)
     point = file.wishes.start
-    with open_store(tmp_path / "out", file) as store:
-        mesh = MovedMesh.of(file, point, RunContext.alone(store, Silent()), is_fine=False)
+    with alone(tmp_path / "out", file) as context:
+        mesh = MovedMesh.of(file, point, context, is_fine=False)
         known = mesh.numbers(point)
         differences, stretches = [], []
         for k in range(len(point)):
@@ -67,8 +66,8 @@ def test_stiffer_moduli_are_derivatives_by_the_material(tmp_path: Path) -> None:
     for number, modulus in enumerate((1.2 * 0.98, 1.2, 1.2 * 1.02)):
         (tmp_path / str(number)).mkdir()
         file = small(tmp_path / str(number), text.replace("E MPa", f"{modulus} MPa"))
-        with open_store(tmp_path / str(number) / "out", file) as store:
-            mesh = MovedMesh.of(file, file.wishes.start, RunContext.alone(store, Silent()), is_fine=False)
+        with alone(tmp_path / str(number) / "out", file) as context:
+            mesh = MovedMesh.of(file, file.wishes.start, context, is_fine=False)
             ends.append(mesh.numbers(file.wishes.start))
     expected = (ends[2].values - ends[0].values) / 0.04
     assert ends[1].by_stiffness == pytest.approx(expected, rel=0.02, abs=0.02 * np.abs(expected).max())
@@ -76,8 +75,8 @@ def test_stiffer_moduli_are_derivatives_by_the_material(tmp_path: Path) -> None:
 
 def test_a_margin_that_the_cell_does_not_bear_is_named(tmp_path: Path) -> None:
     file = small(tmp_path, SMALL.replace("limits: {", "limits: {bears: 40, "))
-    with open_store(tmp_path / "out", file) as store:
-        mesh = MovedMesh.of(file, file.wishes.start, RunContext.alone(store, Silent()), is_fine=False)
+    with alone(tmp_path / "out", file) as context:
+        mesh = MovedMesh.of(file, file.wishes.start, context, is_fine=False)
         with pytest.raises(NotBorne, match="kPa"):
             mesh.numbers(file.wishes.start)
 

@@ -7,9 +7,6 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
-from pipeline.store.context import RunContext
-from pipeline.store.progress import Silent
-from pipeline.store.store import open_store
 from pipeline.study.wishes import search
 from pipeline.study.wishes.measured import NotBorne, Response
 from pipeline.study.wishes.report import active_constraints, report_of
@@ -17,6 +14,7 @@ from pipeline.study.wishes.search import Search, SearchResult, Trial, starts
 from pipeline.study.wishes.step import Model, Worth, propose
 from pipeline.study.wishes.wish import WishFile
 from tests.pipeline.study.wishes.test_measured import CONFIGS, SMALL, small
+from tests.solved import alone
 
 TWO = f"""
 name: two
@@ -124,8 +122,8 @@ def searched(folder: Path, text: str, monkeypatch: pytest.MonkeyPatch, coarse: D
     monkeypatch.setattr(search.MovedMesh, "of", lambda *_, is_fine: replace(coarse, is_fine=is_fine))
     monkeypatch.setattr(search, "delivered", lambda _, point, __: (numbers(point).values, 1.0))
     file = small(folder, text)
-    with open_store(folder / "out", file, fresh=True) as store:
-        return file, Search(file, RunContext.alone(store, Silent())).run()
+    with alone(folder / "out", file, fresh=True) as context:
+        return file, Search(file, context).run()
 
 
 def test_a_search_corrects_coarse_numbers_by_the_law(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
