@@ -11,7 +11,7 @@ from pipeline.store.store import open_store
 
 
 @contextmanager
-def alone(folder: Path, config: Config) -> Iterator[RunContext]:
+def alone(folder: Path, config: Config, *, fresh: bool = False) -> Iterator[RunContext]:
     """What stages need to solve a configuration in a folder."""
-    with open_store(folder, config) as store:
+    with open_store(folder, config, fresh=fresh) as store:
         yield RunContext.alone(store, Silent())
