@@ -48,12 +48,10 @@ def check_numbers(numbers: Numbers, predicted: Array, length_mm: float) -> None:
 def _check_degrees(numbers: Numbers, predicted: Array) -> None:
     angles = [k for k, name in enumerate(numbers.names) if name in ANGLES and abs(predicted[k]) > LARGE]
     for k in angles:
-        turned, is_other = (
-            numbers.values[k] + math.copysign(360.0, predicted[k]),
-            numbers.values[k] * predicted[k] < 0.0,
-        )
-        is_turn = abs(turned - predicted[k]) < abs(numbers.values[k] + predicted[k])  # else that of the mirrored arm
-        if is_other and is_turn and turned * predicted[k] > 0.0:
+        value, rod = numbers.values[k], predicted[k]
+        turned = value + math.copysign(360.0, rod)
+        # else it is that of the mirrored arm
+        if value * rod < 0.0 < turned * rod and abs(turned - rod) < abs(value + rod):
             raise InputError(f"{numbers.where(k)}: {numbers.names[k]}_deg is a turn off; write it as {turned:.4g}")
     if angles and np.median([abs(numbers.values[k] / predicted[k]) for k in angles]) < IN_RADIANS:
         first, name = angles[0], numbers.names[angles[0]]
