@@ -207,7 +207,7 @@ class SpatialSolution(Printable):
 
 def _told(shape: RodSolution | SpatialSolution, turn: dict[str, str], moment: str) -> dict[str, str]:
     weight = {"weight": f"{listed(shape.weight, 'N')}, which the rod carries besides"} if shape.weight.any() else {}
-    bends = f"{round(shape.bending_deg, 2) + 0.0:.2f}°"
+    bends = f"{shape.bending_deg:z.2f}°"
     at_end = {"end": f"{placed(shape.end)} from the clamped end of the curve", "bends by": bends, **turn}
     return {**at_end, "end force": listed(shape.force, "N"), "moment at the clamp": moment, **weight}
 

@@ -85,7 +85,7 @@ class Bending:
     def tip(self) -> str:
         """Position of the end in words."""
         tip = (self.tip_x_mm, self.tip_y_mm, self.tip_z_mm)
-        return f"({', '.join(f'{round(value, 1) + 0.0:.1f}' for value in tip if value is not None)})"
+        return f"({', '.join(f'{value:z.1f}' for value in tip if value is not None)})"
 
 
 @dataclass(frozen=True)

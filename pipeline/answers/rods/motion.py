@@ -128,7 +128,7 @@ class ArmMotion:
     @property
     def told(self) -> list[str]:
         """Where the tip goes, and what limits the trust in it."""
-        ends = [f"({', '.join(f'{value + 0.0:.2f}' for value in self.motion.tips[k].tolist())})" for k in (0, -1)]
+        ends = [f"({', '.join(f'{value:z.2f}' for value in self.motion.tips[k].tolist())})" for k in (0, -1)]
         went = f"tip from {ends[0]} to {ends[1]} mm after {self.motion.times_s[-1]:.4g} s"
         return [went, *self.notes]
 

@@ -74,7 +74,7 @@ class PressureFor:
         error = "" if self.error_kPa is None else f" ± {self.error_kPa:.2g}"
         several = f" ({_listed(self.pressures_kPa, '.4f')})" if len(self.pressures_kPa) > 1 else ""
         away = "" if self.away_mm is None else f", {self.away_mm:.2g} mm away"
-        end = f"tip at ({_listed(self.tip_mm, '.2f')}) mm{away}, bends by {round(self.angle_deg, 2) + 0.0:.2f}°"
+        end = f"tip at ({_listed(self.tip_mm, 'z.2f')}) mm{away}, bends by {self.angle_deg:z.2f}°"
         force = f", force on the end [{_listed(self.force_N, '.4g')}] N" if any(self.force_N) else ""
         return f"{self.pressure_kPa:.4f}{error} kPa{several}: {end}{force}{f'. {self.note}' if self.note else ''}"
 
